@@ -1,0 +1,28 @@
+"""A square hanging from its top, sheared over a soft foundation: part of the bottom lifts off.
+
+Domain: (0,1) x (0,1) [mm], clamped on top, touching the foundation (gap 0).
+Problem: E = 2500, nu = 0.2 [daN/mm^2]; traction (880, 0) on the left; p_n = 250 r, friction bound 1.
+What to look at: the left half of the bottom separates, the right half presses and slips.
+Source: Example 4.2 of Xiao, Wang, Han, Numer. Funct. Anal. Optim. 2018.
+"""
+
+from ngsolve import CF
+
+from ngdgc import (ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance,
+                   TrescaFriction, UzawaSolver)
+from ngdgc.meshes import RectangleMesh
+
+
+def Problem(plane="stress"):
+    foundation = Foundation("bottom", NormalCompliance(stiffness=250, exponent=1), friction=TrescaFriction(1))
+    return ContactProblem(HookeMaterial(E=2500, nu=0.2, plane=plane), foundation,
+                          dirichlet={"top": CF((0, 0))}, traction={"left": CF((880, 0))})
+
+
+def Mesh(n=16, cells="triangle"):
+    return RectangleMesh(n, cells=cells)
+
+
+def Main(*, method=InteriorPenalty(), order=1, n=16, plane="stress", cells="triangle", solver=UzawaSolver(), callback=None):
+    disc = Discretization(Problem(plane), method, Mesh(n, cells), order=order)
+    return solver.Solve(disc, callback=callback)

@@ -1,0 +1,81 @@
+"""Numbers, tuples and CoefficientFunctions as data: one conversion and one check for all of them."""
+
+from numbers import Real
+
+import numpy as np
+from ngsolve import CF, CoefficientFunction, Parameter
+
+from .exceptions import ProblemError
+
+
+def IsNumber(value):
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def Scalar(value, name):
+    """A finite float or a scalar CoefficientFunction, else ProblemError."""
+    if IsNumber(value):
+        if not np.isfinite(value):
+            raise ProblemError(f"{name} is {value}; give a finite number or a CoefficientFunction")
+        return float(value)
+    if not isinstance(value, CoefficientFunction):
+        raise ProblemError(f"{name} is {value!r}; give a number or a scalar CoefficientFunction")
+    if value.dim != 1:
+        raise ProblemError(f"{name} has {value.dim} components; a scalar is needed")
+    return value
+
+
+def Vector(value, name):
+    """A CoefficientFunction with 2 or 3 components; a tuple of numbers or CoefficientFunctions will do."""
+    if isinstance(value, (tuple, list)):
+        value = CF(tuple(Scalar(component, name) for component in value))
+    if not isinstance(value, CoefficientFunction) or value.dim not in (2, 3):
+        shape = f"{value.dim} component(s)" if isinstance(value, CoefficientFunction) else repr(value)
+        raise ProblemError(f"{name} is {shape}; a vector with one component per dimension is needed, "
+                           "for example CF((0, 0))")
+    return value
+
+
+def Unfolded(value):
+    """The same coefficient, kept by NGSolve even where it is zero: an integrand that folds to 0 is an error there."""
+    return CF(value) + Parameter(0) * (CF(1) if CF(value).dim == 1 else CF((1,) * CF(value).dim))
+
+
+def CheckNumber(value, name, *, above=None, least=None):
+    """Range check of plain numbers; CoefficientFunctions are checked where they are evaluated."""
+    if IsNumber(value):
+        CheckRange(np.asarray(value), name, above=above, least=least)
+
+
+def CheckRange(values, name, *, above=None, least=None):
+    """Raise ProblemError unless all values are finite, > above and >= least."""
+    values = np.asarray(values)
+    if not np.all(np.isfinite(values)):
+        raise ProblemError(f"{name} is not finite at {np.sum(~np.isfinite(values))} of {values.size} points; "
+                           "look for a division by zero or a root of a negative number")
+    if above is not None and np.any(values <= above):
+        raise ProblemError(f"{name} is {values.min():g}; it must be greater than {above:g}")
+    if least is not None and np.any(values < least):
+        raise ProblemError(f"{name} is {values.min():g}; it must be at least {least:g}")
+
+
+def ValuesAt(value, points, name):
+    """Values of a number or scalar CoefficientFunction at mesh points, as a finite array (npoints,)."""
+    if IsNumber(value):
+        return np.full(len(points), float(value))
+    try:
+        values = np.asarray(value(points), dtype=float).reshape(len(points))
+    except Exception as error:
+        raise ProblemError(f"{name} cannot be evaluated there: {str(error).strip()}") from error
+    CheckRange(values, name)
+    return values
+
+
+def VectorsAt(value, points, name):
+    """Values of a vector CoefficientFunction at mesh points, as a finite array (npoints, d)."""
+    try:
+        values = np.asarray(value(points), dtype=float).reshape(len(points), value.dim)
+    except Exception as error:
+        raise ProblemError(f"{name} cannot be evaluated there: {str(error).strip()}") from error
+    CheckRange(values, name)
+    return values

@@ -1,0 +1,128 @@
+"""Gamma_C discretised: displacement at its quadrature points, laws there, tractions turned into loads.
+
+The same for every method: with T the trace of V_h at the points, W the quadrature weights and t the traction that the
+body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem reads  A u = f - T' W t,  t = law(T u).
+"""
+
+import numpy as np
+import scipy.sparse as sp
+from ngsolve import VOL, ElementId
+
+from .coefficients import ValuesAt
+from .exceptions import ProblemError
+from .facets import BoundaryQuadrature
+from .foundation import CheckCompliance, CheckFriction
+
+SEPARATION, STICK, SLIP = 0, 1, 2
+ZONES = ("separation", "stick", "slip")
+
+
+class ContactBoundary:
+    """All foundations of a problem on one mesh, n quadrature points in d dimensions.
+
+    Attributes
+    ----------
+    coordinates, normals : (n, d);  weights, gap : (n,) [length^(d-1)], [length]
+    trace : sparse (n d, ndof), row p d + i gives component i of u_h at point p
+    parts : list of (foundation, slice of its points, compliance law, friction law), the laws with their data at the points
+
+    The rule is exact for degree 2 order + 1; on a segment these are the order + 1 Gauss points.
+    """
+
+    def __init__(self, problem, facets, space, scalar, order):
+        pieces = [BoundaryQuadrature.On(facets, foundation.boundary, 2 * order + 1) for foundation in problem.foundation]
+        self.coordinates, self.normals, self.weights, self.facets = (
+            np.concatenate([getattr(piece, name) for piece in pieces])
+            for name in ("coordinates", "normals", "weights", "facets"))
+        self.inside = np.concatenate([piece.inside for piece in pieces])
+        self.trace = TraceMatrix(space, scalar, self.inside)
+        self.gap = np.empty(len(self.weights))
+        self.parts = []
+        start = 0
+        for foundation, piece in zip(problem.foundation, pieces):
+            here = slice(start, start + len(piece.weights))
+            start = here.stop
+            name = f"foundation {foundation.boundary!r}: "
+            self.gap[here] = ValuesAt(foundation.gap, piece.points, name + "gap")
+            compliance = foundation.compliance.At(piece.points, name)
+            CheckCompliance(compliance, len(piece.points), name[:-2])
+            friction = foundation.friction and foundation.friction.At(piece.points, name)
+            if friction is not None:
+                r = np.ones(len(piece.points))
+                CheckFriction(friction, r, compliance.Pressure(r), name[:-2])
+            self.parts.append((foundation, here, compliance, friction))
+
+    @property
+    def dim(self):
+        return self.normals.shape[1]
+
+    def Displacement(self, vector):
+        """u_h at the points, (n, d), from the coefficients in V_h."""
+        return (self.trace @ vector).reshape(-1, self.dim)
+
+    def Normal(self, vectors):
+        """v_n = v.n, (n,)."""
+        return np.einsum("pd,pd->p", vectors, self.normals)
+
+    def Tangential(self, vectors):
+        """v_t = v - v_n n, (n, d)."""
+        return vectors - self.Normal(vectors)[:, None] * self.normals
+
+    def Penetration(self, displacement):
+        """r = u_n - g, (n,) [length]."""
+        return self.Normal(displacement) - self.gap
+
+    def Pressure(self, r):
+        """p_n(r), (n,) [stress]."""
+        return self._Laws(lambda here, compliance, friction: compliance.Pressure(r[here]))
+
+    def PressureDerivative(self, r):
+        """p_n'(r), (n,) [stress/length]."""
+        return self._Laws(lambda here, compliance, friction: compliance.PressureDerivative(r[here]))
+
+    def Bound(self, r):
+        """p_t, (n,) [stress]; zero where there is no friction law."""
+        def OfPart(here, compliance, friction):
+            return 0 if friction is None else friction.Bound(r[here], compliance.Pressure(r[here]))
+        return self._Laws(OfPart)
+
+    def _Laws(self, evaluate):
+        values = np.empty(len(self.weights))
+        for _, here, compliance, friction in self.parts:
+            values[here] = evaluate(here, compliance, friction)
+        if not np.all(np.isfinite(values)):
+            raise ProblemError("a contact law returned a value that is not finite; "
+                               "look at its exponent and its data for the penetrations that occur")
+        return values
+
+    def Load(self, traction):
+        """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""
+        return self.trace.T @ (self.weights[:, None] * traction).ravel()
+
+    def Zones(self, r, traction):
+        """SEPARATION, STICK or SLIP at every point from penetration and traction, (n,).
+
+        Slip is |sigma_t| = p_t up to round-off of the projection onto the disc; a point in contact without friction slips.
+        """
+        tangential = np.linalg.norm(self.Tangential(traction), axis=1)
+        slip = tangential >= self.Bound(r) * (1 - 1e-8)
+        return np.where(r <= 0, SEPARATION, np.where(slip, SLIP, STICK))
+
+
+def TraceMatrix(space, scalar, points):
+    """The sparse matrix that maps coefficients in `space` to values at volume mesh points, row p d + i for component i.
+
+    `scalar` is the space of one component; NGSolve numbers the dofs of an element component after component.
+    """
+    dim = space.mesh.dim
+    rows, columns, entries = [], [], []
+    for number, (x, y, z, element) in enumerate(zip(points["x"], points["y"], points["z"], points["nr"])):
+        element = ElementId(VOL, int(element))
+        shape = np.array(scalar.GetFE(element).CalcShape(x, y, z))
+        dofs = np.array(space.GetDofNrs(element)).reshape(dim, len(shape))
+        for component in range(dim):
+            rows.append(np.full(len(shape), number * dim + component))
+            columns.append(dofs[component])
+            entries.append(shape)
+    shape = (len(points) * dim, space.ndof)
+    return sp.csr_matrix((np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))), shape=shape)

@@ -1,0 +1,160 @@
+"""Linear elastic materials: sigma = C eps(u), with C as in (2.11) of Xiao, Wang, Han 2018."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from ngsolve import CF, Grad, Id, Sym, Trace
+
+from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
+from .exceptions import ProblemError
+
+
+def Strain(u):
+    """eps(u) = (grad u + grad u^T)/2, of a trial or test function or a GridFunction; shape (d, d), no unit."""
+    return Sym(Grad(u))
+
+
+@dataclass(frozen=True, kw_only=True)
+class HookeMaterial:
+    """Isotropic material, C eps = lam tr(eps) I + 2 mu eps.
+
+    Either Young's modulus `E` [stress] and Poisson's ratio `nu`, or Lame's `mu` and `lam` [stress]; each a number
+    or a scalar CoefficientFunction.  With plane="strain" (2D and 3D) lam = E nu/((1+nu)(1-2nu)); with
+    plane="stress" (2D only) lam is replaced by lam* = 2 lam mu/(lam + 2 mu).  After construction `mu` and `lam`
+    are the two coefficients that act in C.
+
+    Raises ProblemError for an incomplete pair, E <= 0, nu outside (-1, 1/2), mu <= 0 or 3 lam + 2 mu <= 0.
+
+    >>> HookeMaterial(E=2500, nu=0.25).mu
+    1000.0
+    """
+
+    E: Any = None
+    nu: Any = None
+    mu: Any = None
+    lam: Any = None
+    plane: str = "strain"
+
+    def __post_init__(self):
+        if self.plane not in ("strain", "stress"):
+            raise ProblemError(f"plane={self.plane!r}; choose 'strain' or 'stress'")
+        given = {name for name in ("E", "nu", "mu", "lam") if getattr(self, name) is not None}
+        if given == {"E", "nu"}:
+            E, nu = Scalar(self.E, "E"), Scalar(self.nu, "nu")
+            CheckNumber(E, "E", above=0)
+            CheckNumber(nu, "nu", above=-1)
+            if IsNumber(nu) and nu >= 0.5:
+                raise ProblemError(f"nu is {nu:g}; it must be less than 0.5 (0.4999 is nearly incompressible)")
+            mu, lam = E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu))
+        elif given == {"mu", "lam"}:
+            mu, lam = Scalar(self.mu, "mu"), Scalar(self.lam, "lam")
+            CheckNumber(mu, "mu", above=0)
+            if IsNumber(mu) and IsNumber(lam):
+                CheckNumber(3 * lam + 2 * mu, "3*lam + 2*mu", above=0)
+        else:
+            raise ProblemError(f"HookeMaterial got {sorted(given) or 'nothing'}; give E and nu, or mu and lam")
+        if self.plane == "stress":
+            lam = 2 * lam * mu / (lam + 2 * mu)
+        object.__setattr__(self, "mu", mu)
+        object.__setattr__(self, "lam", lam)
+
+    def Stress(self, strain):
+        """C strain, shape (d, d) [stress]."""
+        return self.lam * Trace(strain) * Id(strain.dims[0]) + 2 * self.mu * strain
+
+    def OtherStress(self, strain):
+        """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""
+        mu, lam = (value if IsNumber(value) else value.Other() for value in (self.mu, self.lam))
+        return lam * Trace(strain) * Id(strain.dims[0]) + 2 * mu * strain
+
+    def ShearAt(self, points):
+        """mu at mesh points, shape (npoints,) [stress]: the scale of the paper's penalty."""
+        return ValuesAt(self.mu, points, "mu")
+
+    def Check(self, mesh, points):
+        """Raise ProblemError unless C is finite and positive definite at the points."""
+        if mesh.dim == 3 and self.plane == "stress":
+            raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only")
+        mu, lam = ValuesAt(self.mu, points, "mu"), ValuesAt(self.lam, points, "lam")
+        CheckRange(mu, "mu", above=0)
+        # d = 2, plane strain: the plane part alone must be positive, which is weaker than the 3D condition.
+        CheckRange(mesh.dim * lam + 2 * mu, f"{mesh.dim}*lam + 2*mu", above=0)
+
+
+@dataclass(frozen=True)
+class AnisotropicMaterial:
+    """General C, given by its symmetric positive definite Voigt matrix [stress].
+
+    2D: 3 x 3 acting on (e11, e22, 2 e12); 3D: 6 x 6 acting on (e11, e22, e33, 2 e23, 2 e13, 2 e12).
+    Entries are numbers or scalar CoefficientFunctions.
+
+    Raises ProblemError for a wrong shape, an unsymmetric or an indefinite matrix.
+
+    >>> AnisotropicMaterial([[3, 1, 0], [1, 3, 0], [0, 0, 1]]).dim
+    2
+    """
+
+    voigt: Any
+
+    def __post_init__(self):
+        try:
+            rows = tuple(tuple(row) for row in self.voigt)
+        except TypeError:
+            raise ProblemError("voigt must be a 3 x 3 (2D) or 6 x 6 (3D) matrix") from None
+        if len(rows) not in (3, 6) or any(len(row) != len(rows) for row in rows):
+            raise ProblemError(f"voigt has {len(rows)} rows of lengths {[len(row) for row in rows]}; "
+                               "it must be 3 x 3 (2D) or 6 x 6 (3D)")
+        entries = tuple(tuple(Scalar(entry, f"voigt[{i}][{j}]") for j, entry in enumerate(row))
+                        for i, row in enumerate(rows))
+        object.__setattr__(self, "voigt", entries)
+        if all(IsNumber(entry) for row in entries for entry in row):
+            self._CheckMatrices(np.array(entries)[None])
+
+    @property
+    def dim(self):
+        return 2 if len(self.voigt) == 3 else 3
+
+    @property
+    def _pairs(self):
+        return [(0, 0), (1, 1), (0, 1)] if self.dim == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
+
+    def _Contract(self, strain, entries):
+        strains = [strain[i, j] if i == j else 2 * strain[i, j] for i, j in self._pairs]
+        stresses = [sum(c * e for c, e in zip(row, strains)) for row in entries]
+        index = {frozenset(pair): number for number, pair in enumerate(self._pairs)}
+        d = self.dim
+        return CF(tuple(stresses[index[frozenset((i, j))]] for i in range(d) for j in range(d)), dims=(d, d))
+
+    def Stress(self, strain):
+        """C strain, shape (d, d) [stress]."""
+        return self._Contract(strain, self.voigt)
+
+    def OtherStress(self, strain):
+        """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""
+        return self._Contract(strain, [[entry if IsNumber(entry) else entry.Other() for entry in row]
+                                       for row in self.voigt])
+
+    def ShearAt(self, points):
+        """Largest of the shear moduli C_ijij, i != j, at mesh points, shape (npoints,) [stress]."""
+        shear = range(self.dim, len(self.voigt))
+        return np.max([ValuesAt(self.voigt[i][i], points, f"voigt[{i}][{i}]") for i in shear], axis=0)
+
+    def Check(self, mesh, points):
+        """Raise ProblemError unless C is finite, symmetric and positive definite at the points."""
+        if mesh.dim != self.dim:
+            raise ProblemError(f"the {len(self.voigt)} x {len(self.voigt)} voigt matrix is for dimension {self.dim}, "
+                               f"the mesh has dimension {mesh.dim}")
+        self._CheckMatrices(np.moveaxis(np.array(
+            [[ValuesAt(entry, points, f"voigt[{i}][{j}]") for j, entry in enumerate(row)]
+             for i, row in enumerate(self.voigt)]), 2, 0))
+
+    @staticmethod
+    def _CheckMatrices(matrices):
+        asymmetry = np.abs(matrices - np.swapaxes(matrices, 1, 2)).max()
+        # Round-off of entries that are computed, not typed.
+        if asymmetry > 1e-12 * np.abs(matrices).max():
+            raise ProblemError(f"voigt is not symmetric: entries differ by {asymmetry:g}; C must have C_ijkl = C_klij")
+        smallest = np.linalg.eigvalsh(matrices).min()
+        if smallest <= 0:
+            raise ProblemError(f"voigt is not positive definite: its smallest eigenvalue is {smallest:g}")

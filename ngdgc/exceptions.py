@@ -1,0 +1,33 @@
+"""The three ways in which a computation ends without a solution."""
+
+
+class ProblemError(ValueError):
+    """Data that define no problem; the message names the argument at fault and the remedy."""
+
+
+class NotConvergedError(RuntimeError):
+    """An iteration that did not reach its tolerance.
+
+    Attributes
+    ----------
+    solution : ContactSolution
+        The last iterate, with its history; `solution.converged` is False.
+    history : list of Step
+        One entry per iteration.
+    contraction : Contraction or None
+        The estimated contraction numbers at the last iterates.
+    """
+
+    def __init__(self, message, solution, contraction=None):
+        super().__init__(message)
+        self.solution = solution
+        self.history = solution.history
+        self.contraction = contraction
+
+
+class SolveInterrupted(KeyboardInterrupt):
+    """Ctrl-C during an iteration; `solution` is the last iterate."""
+
+    def __init__(self, solution):
+        super().__init__(f"interrupted after {len(solution.history)} iterations")
+        self.solution = solution

@@ -1,0 +1,212 @@
+"""What the body presses against: laws p_n, p_t and the gap, (2.7)-(2.9) and (4.1)-(4.2) of Xiao, Wang, Han 2018.
+
+A law is a small frozen object whose methods act on numpy arrays with one entry per quadrature point of Gamma_C.
+Data of a law that are CoefficientFunctions are evaluated at those points once, by `At`.  A law of your own is a
+frozen dataclass derived from `ComplianceLaw` or `FrictionLaw` with the one or two methods shown there.
+"""
+
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+from ngsolve import CoefficientFunction
+
+from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
+from .exceptions import ProblemError
+
+
+class _Law:
+    """Data of a law at points: every CoefficientFunction among its fields becomes an array."""
+
+    def At(self, points, name=""):
+        values = {field.name: ValuesAt(getattr(self, field.name), points, f"{name}{field.name}")
+                  for field in fields(self) if isinstance(getattr(self, field.name), CoefficientFunction)}
+        law = replace(self, **values)
+        law.CheckData(name)
+        return law
+
+    @property
+    def pointwise(self):
+        """True if some datum is a CoefficientFunction, so that the law can be evaluated only at points."""
+        return any(isinstance(getattr(self, field.name), CoefficientFunction) for field in fields(self))
+
+    def CheckData(self, name=""):
+        """Range checks of numbers and arrays; the default has none."""
+
+
+class ComplianceLaw(_Law):
+    """Normal compliance -sigma_n = p_n(r), r = u_n - g the penetration [length], p_n >= 0 [stress].
+
+    `Pressure(r)` and `PressureDerivative(r)` map arrays (npoints,) to arrays (npoints,); p_n(r) = 0 for r <= 0.
+    """
+
+    def Pressure(self, r):
+        raise NotImplementedError
+
+    def PressureDerivative(self, r):
+        raise NotImplementedError
+
+
+class FrictionLaw(_Law):
+    """Friction bound |sigma_t| <= p_t; `Bound(r, p)` from penetration [length] and pressure [stress], (npoints,)."""
+
+    def Bound(self, r, p):
+        raise NotImplementedError
+
+
+@dataclass(frozen=True)
+class NormalCompliance(ComplianceLaw):
+    """p_n(r) = stiffness * max(r, 0)^exponent, (4.1).
+
+    `stiffness` [stress/length^exponent] >= 0, number or scalar CoefficientFunction; `exponent` > 0.
+
+    >>> float(NormalCompliance(stiffness=450, exponent=1).Pressure(np.array(0.5)))
+    225.0
+    """
+
+    stiffness: Any
+    exponent: float = 1
+
+    def __post_init__(self):
+        if not isinstance(self.stiffness, np.ndarray):
+            object.__setattr__(self, "stiffness", Scalar(self.stiffness, "stiffness"))
+        if not IsNumber(self.exponent) or not 0 < self.exponent < np.inf:
+            raise ProblemError(f"exponent is {self.exponent!r}; it must be a positive number")
+        CheckNumber(self.stiffness, "stiffness", least=0)
+
+    def CheckData(self, name=""):
+        CheckRange(self.stiffness, f"{name}stiffness", least=0)
+
+    def Pressure(self, r):
+        return self.stiffness * np.maximum(r, 0) ** self.exponent
+
+    def PressureDerivative(self, r):
+        inside = r > 0
+        return self.stiffness * self.exponent * np.where(inside, np.where(inside, r, 1) ** (self.exponent - 1), 0)
+
+
+@dataclass(frozen=True)
+class CoulombFriction(FrictionLaw):
+    """p_t = coefficient * p_n, Coulomb's dry friction; `coefficient` >= 0 [1], number or CoefficientFunction.
+
+    >>> float(CoulombFriction(0.5).Bound(None, np.array(8.0)))
+    4.0
+    """
+
+    coefficient: Any
+
+    def __post_init__(self):
+        if not isinstance(self.coefficient, np.ndarray):
+            object.__setattr__(self, "coefficient", Scalar(self.coefficient, "coefficient"))
+        CheckNumber(self.coefficient, "coefficient", least=0)
+
+    def CheckData(self, name=""):
+        CheckRange(self.coefficient, f"{name}coefficient", least=0)
+
+    def Bound(self, r, p):
+        return self.coefficient * p
+
+
+@dataclass(frozen=True)
+class PowerFriction(FrictionLaw):
+    """p_t(r) = stiffness * max(r, 0)^exponent, (4.1); `stiffness` >= 0 [stress/length^exponent], `exponent` > 0.
+
+    The limit exponent = 0, a constant bound on all of Gamma_C, is `TrescaFriction`.
+
+    >>> float(PowerFriction(stiffness=2, exponent=2).Bound(np.array(3.0), None))
+    18.0
+    """
+
+    stiffness: Any
+    exponent: float = 1
+
+    def __post_init__(self):
+        NormalCompliance.__post_init__(self)
+
+    def CheckData(self, name=""):
+        CheckRange(self.stiffness, f"{name}stiffness", least=0)
+
+    def Bound(self, r, p):
+        return self.stiffness * np.maximum(r, 0) ** self.exponent
+
+
+@dataclass(frozen=True)
+class TrescaFriction(FrictionLaw):
+    """p_t = bound on all of Gamma_C, whatever the penetration: the reduced law (4.2); `bound` >= 0 [stress].
+
+    >>> TrescaFriction(1).Bound(np.array([-1.0, 2.0]), None)
+    array([1., 1.])
+    """
+
+    bound: Any
+
+    def __post_init__(self):
+        if not isinstance(self.bound, np.ndarray):
+            object.__setattr__(self, "bound", Scalar(self.bound, "bound"))
+        CheckNumber(self.bound, "bound", least=0)
+
+    def CheckData(self, name=""):
+        CheckRange(self.bound, f"{name}bound", least=0)
+
+    def Bound(self, r, p):
+        return np.broadcast_to(np.asarray(self.bound, dtype=float), np.shape(r)).copy()
+
+
+@dataclass(frozen=True)
+class Foundation:
+    """A deformable foundation under the boundary region `boundary` (a regular expression, as in NGSolve).
+
+    `compliance` is a ComplianceLaw; `friction` a FrictionLaw or None for a frictionless foundation; `gap` the initial
+    distance g [length] along the outward normal, number or scalar CoefficientFunction.  The theory wants g >= 0
+    (2.12); the formulas hold for negative g, a body that starts inside its foundation, and it is accepted.
+
+    Raises ProblemError if a law's derivative is not the derivative of its pressure, or the pressure is not
+    nonnegative and zero without penetration (2.13).
+
+    >>> Foundation("bottom", NormalCompliance(450), friction=TrescaFriction(1), gap=0.05).gap
+    0.05
+    """
+
+    boundary: str
+    compliance: ComplianceLaw
+    friction: FrictionLaw | None = None
+    gap: Any = 0.0
+
+    def __post_init__(self):
+        if not isinstance(self.boundary, str):
+            raise ProblemError(f"boundary is {self.boundary!r}; give the name of a region as a string")
+        if not isinstance(self.compliance, ComplianceLaw):
+            raise ProblemError(f"compliance is {self.compliance!r}; give a law such as NormalCompliance(stiffness=450)")
+        if self.friction is not None and not isinstance(self.friction, FrictionLaw):
+            raise ProblemError(f"friction is {self.friction!r}; give a law such as CoulombFriction(0.3), or None")
+        object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
+        if not self.compliance.pointwise:
+            CheckCompliance(self.compliance, 1, f"the foundation of {self.boundary!r}")
+        if self.friction is not None and not self.friction.pointwise:
+            CheckFriction(self.friction, np.ones(1), np.ones(1), f"the foundation of {self.boundary!r}")
+
+
+def CheckFriction(law, r, p, name):
+    bound = np.asarray(law.Bound(r, p))
+    if bound.shape != r.shape or not np.all(np.isfinite(bound)) or np.any(bound < 0):
+        raise ProblemError(f"{name}: the friction bound is negative, not finite, or not one value per point")
+
+
+def CheckCompliance(law, npoints, name):
+    """Check (2.13) and the derivative of a law at `npoints` points, for penetrations from 1e-6 to 1."""
+    for r in (-1.0, 0.0):
+        if np.any(law.Pressure(np.full(npoints, r)) != 0):
+            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; p_n(r) = 0 for r <= 0 (2.13)")
+    for r in np.logspace(-6, 0, 25):
+        at, h = np.full(npoints, r), 1e-5 * r
+        p, forward, backward = law.Pressure(at), law.Pressure(at + h), law.Pressure(at - h)
+        if np.shape(p) != at.shape or not np.all(np.isfinite(p)) or np.any(p < 0):
+            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative, not finite, or not one value "
+                               "per point")
+        scale = np.abs(p) / r + np.abs(forward - backward) / (2 * h)
+        # Where the one-sided differences disagree the law has a kink or a jump, and any value will do.
+        smooth = np.abs(forward - 2 * p + backward) / h <= 1e-3 * scale
+        error = np.abs(law.PressureDerivative(at) - (forward - backward) / (2 * h))
+        if np.any(smooth & (error > 1e-3 * scale)):
+            raise ProblemError(f"{name}: PressureDerivative differs from the finite difference of Pressure at "
+                               f"penetration {r:g}")

@@ -1,0 +1,111 @@
+"""Forces and moments: resultants on each part of the boundary, and the balance of every element and of the body.
+
+Everything is tested with the rigid motions as functions of V_h, so that a discrete solution balances to round-off: DG on each
+element, from its numerical fluxes; H1 globally, from the residual on constrained dofs.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
+
+from .elasticity import Strain
+from .facets import RigidMotions, RigidMotionsAt
+
+
+@dataclass(frozen=True)
+class Resultant:
+    """Force on the body (d,) [stress length^(d-1)] and its moment about the origin (1,) in 2D or (3,) [stress length^d].
+
+    kind : "dirichlet", "roller", "traction", "foundation" or "bodyforce"
+    integrated : (force, moment) of int C eps(u_h) n over the region where it differs from the reported value, the strongly
+        imposed displacements of H1; None elsewhere
+    """
+
+    kind: str
+    region: str | None
+    force: np.ndarray
+    moment: np.ndarray
+    integrated: tuple | None = None
+
+
+def RigidBasis(space):
+    """Coefficients in V_h of the rigid motions, (modes, ndof)."""
+    basis = []
+    for motion in RigidMotions(space.mesh.dim):
+        function = GridFunction(space)
+        function.Set(motion, bonus_intorder=1)      # exact: the default rule is too weak for discontinuous P1
+        basis.append(function.vec.FV().NumPy().copy())
+    return np.array(basis)
+
+
+def Resultants(solution):
+    """The list of `Resultant`s of a solution: supports, tractions, foundations and body force, in the order of the problem."""
+    disc, dim = solution.disc, solution.disc.mesh.dim
+    basis = RigidBasis(disc.space)
+    kinds = {region: kind for kind, region in disc.problem.Regions()}
+
+    def Split(modes):
+        return modes[:dim], modes[dim:]
+
+    found = [Resultant(kinds[region], region, *Split(basis @ reaction), integrated=Split(basis @ stress))
+             for region, reaction, stress in _StrongReactions(solution)]
+    v = disc.space.TestFunction()
+    for part in disc.facetsets:
+        if part.region is not None:
+            flux = disc.Integrate(part.Flux(solution.gfu) * v * part.measure)
+            found.append(Resultant(kinds[part.region], part.region, *Split(basis @ flux)))
+    found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
+              if kind in ("traction", "bodyforce")]
+    contact = disc.contact
+    motions = RigidMotionsAt(contact.coordinates)
+    for foundation, here, _, _ in contact.parts:
+        modes = -np.einsum("cnd,nd,n->c", motions[:, here], solution.traction[here], contact.weights[here])
+        found.append(Resultant("foundation", foundation.boundary, *Split(modes)))
+    return found
+
+
+def _StrongReactions(solution):
+    """(region, reaction, int C eps(u) n.v) as coefficients, for regions with strongly imposed displacement.
+
+    The reaction is A u - f + T' W t on the constrained dofs; a dof on two regions belongs to the first of them.
+    """
+    disc = solution.disc
+    if disc.method.discontinuous or not disc.problem.dirichlet:
+        return
+    residual = disc.Multiply(solution.vector) - disc.load + disc.contact.Load(solution.traction)
+    taken = np.zeros(disc.space.ndof, dtype=bool)
+    stress, n = disc.problem.material.Stress(Strain(solution.gfu)), specialcf.normal(disc.mesh.dim)
+    v = disc.space.TestFunction()
+    for region in disc.problem.dirichlet:
+        boundary = disc.mesh.Boundaries(region)
+        dofs = np.array(list(disc.space.GetDofs(boundary)), dtype=bool) & ~taken
+        taken |= dofs
+        yield region, np.where(dofs, residual, 0), disc.Integrate((stress * n) * v * ds(skeleton=True, definedon=boundary))
+
+
+def GlobalImbalance(resultants):
+    """Largest component of the sum of all forces and moments, relative to the largest single one."""
+    modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in resultants])
+    return float(np.abs(modes.sum(axis=0)).max() / (np.abs(modes).max() or 1))
+
+
+def ElementImbalance(solution):
+    """Force and moment that the numerical fluxes leave unbalanced on each element, (elements, modes), DG only.
+
+    On element K: int_dK sigma_hat n_K.r + int_K f_1.r for the rigid motions r, with sigma_hat the numerical flux between
+    elements and on Gamma_D, f_2 on Gamma_F and -t on Gamma_C; relative to the largest contribution of any element.
+    """
+    disc = solution.disc
+    v = disc.space.TestFunction()
+    contributions = [disc.Integrate(part.Flux(solution.gfu) * (part.Jump(v) if part.region is None else v) * part.measure)
+                     for part in disc.facetsets]
+    contributions += [load for (kind, _), load in disc.loads.items() if kind in ("traction", "bodyforce")]
+    contributions.append(-disc.contact.Load(solution.traction))
+    basis = RigidBasis(disc.space)
+    owner = np.empty(disc.space.ndof, dtype=int)
+    for element in range(disc.mesh.ne):
+        owner[list(disc.space.GetDofNrs(ElementId(VOL, element)))] = element
+    parts = np.array([[np.bincount(owner, mode * vector, minlength=disc.mesh.ne) for mode in basis]
+                      for vector in contributions])
+    return parts.sum(axis=0).T / (np.abs(parts).max() or 1)

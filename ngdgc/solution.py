@@ -1,0 +1,156 @@
+"""What a solver returns: fields, contact quantities, resultants, history."""
+
+from functools import cached_property
+
+import numpy as np
+from ngsolve import GridFunction, InnerProduct, Integrate
+
+from .contact import ZONES
+from .elasticity import Strain
+from .resultants import ElementImbalance, GlobalImbalance, Resultants
+
+
+class ContactSolution:
+    """Displacement and contact traction of a discrete problem.
+
+    Attributes
+    ----------
+    disc : Discretization
+    gfu : GridFunction of the displacement u_h [length];  vector : its coefficients (ndof,)
+    traction : (n, d) traction t = p_n n + p_t lambda that the body exerts on the foundations at the n contact points [stress];
+        the traction on the body is -t
+    history : list of Step;  converged : bool;  solver : its text
+
+    Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
+    (n,) come with them.
+    """
+
+    def __init__(self, disc, vector, traction, *, history=(), converged=True, solver=""):
+        self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
+        self.history, self.converged, self.solver = list(history), converged, solver
+
+    def __repr__(self):
+        state = "converged" if self.converged else "not converged"
+        return f"ContactSolution({self.disc!r}, {state} after {len(self.history)} iterations)"
+
+    @cached_property
+    def gfu(self):
+        function = GridFunction(self.disc.space, "u")
+        function.vec.FV().NumPy()[:] = self.vector
+        return function
+
+    @property
+    def strain(self):
+        """eps(u_h), CoefficientFunction (d, d)."""
+        return Strain(self.gfu)
+
+    @property
+    def stress(self):
+        """C eps(u_h), CoefficientFunction (d, d) [stress]."""
+        return self.disc.problem.material.Stress(self.strain)
+
+    @property
+    def points(self):
+        return self.disc.contact.coordinates
+
+    @property
+    def normals(self):
+        return self.disc.contact.normals
+
+    @property
+    def weights(self):
+        return self.disc.contact.weights
+
+    @cached_property
+    def displacement(self):
+        """u_h at the contact points, (n, d) [length]."""
+        return self.disc.contact.Displacement(self.vector)
+
+    @property
+    def penetration(self):
+        """r = u_n - g, (n,) [length]; positive inside the foundation."""
+        return self.disc.contact.Penetration(self.displacement)
+
+    @property
+    def slip(self):
+        """u_t, (n, d) [length]."""
+        return self.disc.contact.Tangential(self.displacement)
+
+    @property
+    def pressure(self):
+        """-sigma_n = p_n, (n,) [stress]."""
+        return self.disc.contact.Normal(self.traction)
+
+    @property
+    def friction(self):
+        """sigma_t, the friction traction on the body, (n, d) [stress]; it acts against u_t."""
+        return -self.disc.contact.Tangential(self.traction)
+
+    @property
+    def bound(self):
+        """p_t, (n,) [stress]."""
+        return self.disc.contact.Bound(self.penetration)
+
+    @property
+    def zones(self):
+        """0 separation, 1 stick, 2 slip at the contact points, (n,); names in `ngdgc.contact.ZONES`."""
+        return self.disc.contact.Zones(self.penetration, self.traction)
+
+    def ZoneLengths(self):
+        """Length (2D) or area (3D) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""
+        return {name: float(self.weights[self.zones == number].sum()) for number, name in enumerate(ZONES)}
+
+    @cached_property
+    def energy(self):
+        """Elastic energy, half of int C eps(u_h):eps(u_h) over the elements [stress length^d]."""
+        return float(Integrate(0.5 * InnerProduct(self.stress, self.strain), self.disc.mesh, order=2 * self.disc.order + 2))
+
+    @cached_property
+    def normalforce(self):
+        """int_GammaC p_n [stress length^(d-1)]."""
+        return float(self.weights @ self.pressure)
+
+    def At(self, *point):
+        """u_h at a point of the body, (d,) [length]."""
+        return np.array(self.gfu(self.disc.mesh(*point)))
+
+    def Resultants(self):
+        """Force and moment of every support, load and foundation, a list of `Resultant`."""
+        return self._resultants
+
+    @cached_property
+    def _resultants(self):
+        return Resultants(self)
+
+    def GlobalImbalance(self):
+        """Largest component of the sum of all forces and moments, relative to the largest one."""
+        return GlobalImbalance(self._resultants)
+
+    def ElementImbalance(self):
+        """Unbalanced force and moment per element, (elements, 3 or 6), relative; DG only, H1 balances globally."""
+        return ElementImbalance(self)
+
+    def Report(self):
+        """A page of text: what was solved, how the iteration went, what happens on Gamma_C, forces and balance."""
+        from .report import Report
+
+        return Report(self)
+
+    def ToJSON(self):
+        """The numbers of the report as a dictionary of plain types, for json.dump."""
+        from .report import Summary
+
+        return Summary(self)
+
+    def Save(self, folder):
+        """Write mesh, coefficients and summary (vol.gz, npz, json) into `folder`; no pickle."""
+        from .storage import Save
+
+        Save(self, folder)
+
+    @classmethod
+    def Load(cls, folder, problem):
+        """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again."""
+        from .storage import Load
+
+        return Load(folder, problem)

@@ -1,0 +1,122 @@
+"""The driver stops, records and raises; a solver is only its iteration."""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..exceptions import NotConvergedError, SolveInterrupted
+from ..solution import ContactSolution
+
+WINDOW = 10         # iterations over which progress is judged
+NOPROGRESS = 0.97   # the largest change of a window against the window before: 0.997 per iteration
+
+
+@dataclass(frozen=True)
+class Iterate:
+    """One iterate: coefficients of u (ndof,), the traction t (n, d) that produced it, and u at the contact points (n, d)."""
+
+    vector: np.ndarray
+    traction: np.ndarray
+    displacement: np.ndarray
+
+
+@dataclass(frozen=True)
+class Step:
+    """What is recorded of an iteration.
+
+    change : |u^i - u^(i-1)| / |u^i|, maximum norm over the quadrature points of Gamma_C, no unit
+    residual : distance of (u^i, t^i) to the graph of the law, no unit (`LawResidual`)
+    solves : applications of A^-1 so far;  seconds : since the start
+    """
+
+    number: int
+    change: float
+    residual: float
+    solves: int
+    seconds: float
+
+
+def LawResidual(contact, iterate):
+    """Distance of displacement and traction to the graph of the contact law, the largest over all points, no unit.
+
+    Normal part |t_n - p_n(r)| / (t_s + p_n'(r) u_s), the distance to the tangent of the graph in the scales u_s = max |u| and
+    t_s = max |t|: it means the same for soft and stiff foundations.  Friction part: the smaller of |u_t|/u_s (stick) and
+    |t_t - p_t u_t/|u_t|| / max p_t (slip).
+    """
+    u, t = iterate.displacement, iterate.traction
+    uscale, tscale = _Scale(u), _Scale(t)
+    r = contact.Penetration(u)
+    normal = np.abs(contact.Normal(t) - contact.Pressure(r)) / (tscale + contact.PressureDerivative(r) * uscale)
+    bound = contact.Bound(r)
+    slip, friction = contact.Tangential(u), contact.Tangential(t)
+    length = np.linalg.norm(slip, axis=1)
+    direction = slip / np.where(length > 0, length, 1)[:, None]
+    sliding = np.linalg.norm(friction - bound[:, None] * direction, axis=1) / (bound.max(initial=0) or 1)
+    return float(max(normal.max(initial=0), np.minimum(length / uscale, sliding).max(initial=0)))
+
+
+def _Scale(vectors):
+    return np.linalg.norm(vectors, axis=1).max(initial=0) or 1.0
+
+
+def Drive(solver, disc, iterates, callback, Diagnose):
+    """Run an iteration to its tolerance and return the ContactSolution.
+
+    `iterates` yields `Iterate`s, the first without contact.  Converged is change <= tol and residual <= tol.
+    `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "cycle" when over the last
+    windows the change has not shrunk and the path leads nowhere, "slow" at the limit of iterations, "roundoff" when the
+    tolerance is out of reach.
+    """
+    history, positions, start = [], [], time.perf_counter()
+    iterate = None
+
+    def Solution(converged):
+        return ContactSolution(disc, iterate.vector, iterate.traction, history=history, converged=converged,
+                               solver=repr(solver))
+
+    try:
+        for number, iterate in enumerate(iterates):
+            if positions:
+                change = _Scale(iterate.displacement - positions[-1]) / _Scale(iterate.displacement)
+                if np.array_equal(iterate.displacement, positions[-1]):
+                    change = 0.0
+                history.append(Step(number, change, LawResidual(disc.contact, iterate), disc.solves,
+                                    time.perf_counter() - start))
+                if callback is not None:
+                    callback(history[-1])
+            positions = positions[-2 * WINDOW:] + [iterate.displacement]
+            reason = _Verdict(solver, history, positions)
+            if reason == "converged":
+                return Solution(True)
+            if reason:
+                message, contraction = Diagnose(reason)
+                raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False), contraction)
+    except KeyboardInterrupt as interrupt:
+        if iterate is None:
+            raise
+        raise SolveInterrupted(Solution(False)) from interrupt
+
+
+def _Verdict(solver, history, positions):
+    """None to go on, "converged", or the reason to give up."""
+    if not history:
+        return None
+    last = history[-1]
+    if last.change <= solver.tol and last.residual <= solver.tol:
+        return "converged"
+    if not np.isfinite(last.change):
+        return "cycle"
+    if len(positions) > 2 * WINDOW:
+        changes = [step.change for step in history[-2 * WINDOW:]]
+        if max(changes[WINDOW:]) > NOPROGRESS * max(changes[:WINDOW]):
+            # A slow monotone iteration also changes by nearly constant amounts, but it gets somewhere.
+            steps = [np.linalg.norm(b - a) for a, b in zip(positions[-WINDOW - 1:], positions[-WINDOW:])]
+            if np.linalg.norm(positions[-1] - positions[-WINDOW - 1]) < 0.5 * sum(steps):
+                return "roundoff" if max(changes[WINDOW:]) < 1e-11 else "cycle"
+    return "slow" if last.number >= solver.maxiter else None
+
+
+def _Last(history):
+    last = history[-1]
+    return f"after {last.number} iterations: change {last.change:.2g}, law residual {last.residual:.2g}"

@@ -1,0 +1,123 @@
+"""The Uzawa iteration of Xiao, Wang, Han 2018, section 4, (4.3)-(4.8)."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..coefficients import IsNumber
+from ..exceptions import ProblemError
+from .contraction import EstimateContraction
+from .driver import Drive, Iterate
+
+
+@dataclass(frozen=True, kw_only=True)
+class UzawaSolver:
+    """Uzawa's iteration with the normal compliance explicit: one solve with the unchanged matrix per step.
+
+        u^0:       B_h(u^0, v) = (f, v),  lambda^0 = 0
+        lambda^i = P(lambda^(i-1) + rho p_t u_t^(i-1)),   P the projection onto the unit ball
+        u^i:       B_h(u^i, v) = (f, v) - int_GammaC p_n(u_n^(i-1) - g) v_n - int_GammaC p_t lambda^i.v_t
+
+    For the reduced law p_t = k_t this is the paper's iteration; a bound that depends on the penetration is lagged,
+    p_t = p_t(u_n^(i-1) - g).
+
+    tol : stops when the change |u^i - u^(i-1)| / |u^i| in the maximum norm over the points of Gamma_C and the law residual
+        (`driver.LawResidual`) are both at most tol.  The second guards against a small rho, for which u changes little
+        although lambda is far from its limit.
+    maxiter : limit of iterations
+    rho : step of lambda [1/(stress length)], a number > 0 or "auto".
+
+    The rule for "auto".  In the variables p and p_t lambda the step is the projection, onto p >= 0 and |lambda| <= 1, of
+    diag(0, I) - D^(1/2) S D^(1/2) with D = diag(p_n', rho p_t^2), symmetric in L2(Gamma_C).  Its eigenvalues lie below 1
+    because S is positive, and above -1 as soon as D^(1/2) S D^(1/2) < diag(I, 2 I), for which
+
+        |p_n' S_nn| + rho |p_t S_tt p_t| / 2 < 1
+
+    is sufficient.  With both norms estimated at u^0 (`EstimateContraction`), where the active zone is largest,
+
+        rho = max(1 - |p_n' S_nn|, 1/10) / |p_t S_tt p_t|
+
+    takes half of what is left.  If nothing is left no rho helps, and `NotConvergedError` says so.
+
+    >>> UzawaSolver(tol=1e-8).rho
+    'auto'
+    """
+
+    tol: float = 1e-8
+    maxiter: int = 2000
+    rho: Any = "auto"
+
+    def __post_init__(self):
+        if self.rho != "auto" and not (IsNumber(self.rho) and 0 < self.rho < np.inf):
+            raise ProblemError(f"rho is {self.rho!r}; give 'auto' or a positive number")
+        if not IsNumber(self.tol) or not 0 < self.tol < 1:
+            raise ProblemError(f"tol is {self.tol!r}; give a number between 0 and 1")
+        if not isinstance(self.maxiter, int) or self.maxiter < 1:
+            raise ProblemError(f"maxiter is {self.maxiter!r}; give a positive integer")
+
+    def Solve(self, disc, *, callback=None):
+        """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step`.
+
+        Raises NotConvergedError, with history, estimated contraction numbers and remedy, when the iterates cycle or the limit
+        of iterations is reached; SolveInterrupted, with the last iterate, on Ctrl-C.
+        """
+        run = _Run(self, disc)
+        return Drive(self, disc, run.Iterates(), callback, run.Diagnose)
+
+
+class _Run:
+    """One run of the iteration on one discretisation."""
+
+    def __init__(self, solver, disc):
+        self.solver, self.disc, self.contact = solver, disc, disc.contact
+        self.rho = None if solver.rho == "auto" else solver.rho
+        self.deepest = None     # largest penetration at each point over the last steps: the zone that is ever active
+
+    def Iterates(self):
+        contact = self.contact
+        free = self.disc.FreeSolution()
+        u = contact.Displacement(free)
+        yield Iterate(free, np.zeros_like(u), u)
+        if self.rho is None:
+            self.rho = self._AutomaticRho(contact.Penetration(u))
+        multiplier = np.zeros_like(u)
+        recent = []
+        while True:
+            r = contact.Penetration(u)
+            recent = recent[-3:] + [r]
+            self.deepest = np.max(recent, axis=0)
+            bound = contact.Bound(r)[:, None]
+            multiplier = _OntoUnitBall(multiplier + self.rho * bound * contact.Tangential(u))
+            traction = contact.Pressure(r)[:, None] * contact.normals + bound * multiplier
+            vector = free - self.disc.Response(traction)
+            u = contact.Displacement(vector)
+            yield Iterate(vector, traction, u)
+
+    def _AutomaticRho(self, r):
+        estimate = EstimateContraction(self.disc, r)
+        return max(1 - estimate.normal, 0.1) / estimate.tangential if estimate.tangential else 1.0
+
+    def Diagnose(self, reason):
+        """Cause and remedy of a failure, and the contraction numbers at the last iterates."""
+        number = EstimateContraction(self.disc, self.deepest, rho=self.rho)
+        if reason == "roundoff":
+            return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", number
+        if reason == "slow":
+            return (f"Uzawa converges too slowly: contraction number of the normal part {number.normal:.3g}, of the friction "
+                    f"part {number.friction:.3g} (rho = {self.rho:.4g}); raise maxiter, or choose rho='auto'"), number
+        if number.normal >= 1:
+            return (f"Uzawa cannot converge for any rho: the contraction number |p_n' S_nn| is {number.normal:.3g} and must be "
+                    "below 1, so the iterates stay bounded and cycle.  Remedy: a foundation that is softer by this factor, "
+                    "a stiffer body, or a solver that treats the normal compliance implicitly"), number
+        if number.normal + number.friction >= 1:
+            limit = 2 * (1 - number.normal) / number.tangential
+            return (f"Uzawa cycles because rho = {self.rho:.4g} is too large: friction number {number.friction:.3g}, normal "
+                    f"number {number.normal:.3g}, their sum must be below 1.  Remedy: rho < {limit:.3g}, or rho='auto'"), number
+        return (f"Uzawa cycles although its numbers predict convergence (normal {number.normal:.3g}, friction "
+                f"{number.friction:.3g}): the friction bound depends on the penetration and is lagged.  Remedy: a smaller "
+                f"friction coefficient, or rho < {self.rho:.4g}"), number
+
+
+def _OntoUnitBall(vectors):
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1)[:, None]

@@ -1,0 +1,47 @@
+"""Is B_h coercive?  Decided by an element-wise bound where that suffices, by an eigenvalue computation where it does not."""
+
+import numpy as np
+import scipy.sparse.linalg as spla
+
+from .exceptions import ProblemError
+from .facets import Csr
+
+
+def SmallestEigenvalue(matrix, norm, freedofs):
+    """Smallest lambda with B_h u = lambda N u, N = g_h + penalty: the coercivity constant of B_h in its own energy norm.
+
+    `matrix` and `norm` are assembled BilinearForms on one space.  The spectrum lies in a bounded interval whatever the mesh, so
+    Lanczos needs few steps; it costs one factorisation of N.
+    """
+    free = np.flatnonzero(list(freedofs))
+    B, N = (Csr(form.mat)[free][:, free] for form in (matrix, norm))
+    inverse = norm.mat.Inverse(freedofs, inverse="sparsecholesky")
+    full = norm.mat.CreateColVector()
+    result = norm.mat.CreateColVector()
+
+    def Apply(vector):
+        full.FV().NumPy()[:] = 0
+        full.FV().NumPy()[free] = np.ravel(vector)
+        result.data = inverse * full
+        return result.FV().NumPy()[free].copy()
+
+    operator = spla.LinearOperator(N.shape, Apply, dtype=float)
+    start = np.random.default_rng(1).standard_normal(len(free))
+    return float(spla.eigsh(B, k=1, M=N, Minv=operator, which="SA", tol=1e-4, v0=start, ncv=min(40, len(free)),
+                            return_eigenvectors=False)[0])
+
+
+def CheckCoercivity(method, facetsets, matrix, AssembleNorm, freedofs):
+    """Raise ProblemError if the bilinear form is not coercive.
+
+    If the largest element bound kappa_K (`penalty` module) is below 1 the form is coercive; only otherwise
+    lambda_min > 0 of `SmallestEigenvalue` decides.
+    """
+    bound = max((facets.penalty.bound for facets in facetsets), default=0)
+    if bound < 1:
+        return
+    smallest = SmallestEigenvalue(matrix, AssembleNorm(), freedofs)
+    if smallest <= 1e-6:        # Lanczos is stopped at a relative accuracy of 1e-4 of a spectrum of size 1
+        raise ProblemError(f"penalty={method.penalty:g} loses coercivity on this mesh, order and material (smallest eigenvalue "
+                           f"{smallest:.3g} of the form against its energy norm); penalty={method.penalty * bound:.3g} "
+                           "is safe, and so is penalty='auto'")

@@ -1,0 +1,124 @@
+"""A problem held against a mesh: every mistake in regions and data is named before anything is solved."""
+
+import numpy as np
+
+from .coefficients import ValuesAt, VectorsAt
+from .exceptions import ProblemError
+from .facets import BoundaryQuadrature, RigidMotionsAt, VolumePoints
+
+CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
+
+
+def CheckProblem(problem, mesh, facets):
+    """Raise ProblemError unless the problem makes sense on the mesh."""
+    if mesh.dim not in (2, 3) or mesh.ne == 0:
+        raise ProblemError(f"the mesh has dimension {mesh.dim} and {mesh.ne} volume elements; "
+                           "a contact problem needs a mesh of an area in 2D or a volume in 3D")
+    if problem.dim not in (None, mesh.dim):
+        raise ProblemError(f"the mesh has dimension {mesh.dim}, the data of the problem have {problem.dim} components")
+    CheckRegions(problem, mesh, facets)
+    CheckData(problem, mesh, facets)
+
+
+def CheckRegions(problem, mesh, facets):
+    """Every region exists, lies on the outer boundary and overlaps no other."""
+    owner = {}
+    for kind, region in problem.Regions():
+        numbers = [number for number, found in enumerate(mesh.Boundaries(region).Mask()) if found]
+        if not numbers:
+            available = ", ".join(sorted(set(mesh.GetBoundaries())))
+            empty = "; Gamma_C would be empty" if kind == "foundation" else ""
+            raise ProblemError(f"{kind} region {region!r} matches no boundary of the mesh{empty}; "
+                               f"it has: {available}")
+        for number in numbers:
+            if number in owner:
+                raise ProblemError(f"boundary {mesh.GetBoundaries()[number]!r} is claimed twice, by {owner[number]} and by "
+                                   f"{kind} {region!r}; the parts of the boundary must not overlap")
+            owner[number] = f"{kind} {region!r}"
+        if np.any(facets.neighbours[facets.On(region)] > 1):
+            raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
+                               "conditions are for the outer boundary only: rename the interface or the region")
+
+
+def CheckData(problem, mesh, facets):
+    """All coefficients are finite, of the right shape and in range at quadrature points."""
+    volume = VolumePoints(mesh, CHECK_ORDER)
+    problem.material.Check(mesh, volume)
+    if problem.bodyforce is not None:
+        VectorsAt(problem.bodyforce, volume, "bodyforce")
+    for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt)):
+        for region, value in getattr(problem, kind).items():
+            at(value, BoundaryQuadrature.On(facets, region, CHECK_ORDER).points, f"{kind}[{region!r}]")
+
+
+def UnresistedMotion(problem, facets):
+    """What dirichlet and roller leave free, None or words for it; raises ProblemError if no foundation resists it either.
+
+    A motion is resisted where the displacement it causes is prescribed, on all components or on the normal one; a
+    foundation can resist normal motion, and tangential motion if it has friction.
+    """
+    gram = {"held": 0, "touched": 0}
+    motions = None
+    for kind, region in problem.Regions():
+        if kind == "traction":
+            continue
+        quadrature = BoundaryQuadrature.On(facets, region, CHECK_ORDER)
+        frictionless = kind == "foundation" and next(
+            foundation.friction is None for foundation in problem.foundation if foundation.boundary == region)
+        motions = _CentredMotions(facets, quadrature)
+        if kind == "roller" or frictionless:
+            motions = np.einsum("cmnd,nd->cmn", motions, quadrature.normals)[..., None]
+        block = np.einsum("camd,cbmd,m->cab", motions, motions, quadrature.weights)
+        gram["touched" if kind == "foundation" else "held"] += block
+    for part, (held, touched) in enumerate(zip(np.broadcast_to(gram["held"], np.shape(gram["touched"])), gram["touched"])):
+        size = np.trace(held + touched)
+        # The modes are scaled to the body, so zero means zero to round-off.
+        free = _Null(held + touched, 1e-10 * size)
+        if len(free):
+            raise ProblemError(f"the body floats: nothing resists {_Words(free, facets, part)}, neither dirichlet nor roller "
+                               "nor a foundation; hold it with dirichlet or roller")
+        free = _Null(held, 1e-10 * size)
+        if len(free):
+            return _Words(free, facets, part)
+    return None
+
+
+def _Null(gram, tolerance):
+    values, vectors = np.linalg.eigh(gram)
+    return vectors[:, values <= tolerance].T
+
+
+def _CentredMotions(facets, quadrature):
+    """Rigid motions of every connected part at the points, (parts, modes, n, d), scaled to the size of the body."""
+    centres, size = _Centres(facets)
+    parts = facets.component[quadrature.elements]
+    motions = RigidMotionsAt((quadrature.coordinates - centres[parts]) / size)
+    return np.array([motions * (parts == part)[None, :, None] for part in range(len(centres))])
+
+
+def _Centres(facets):
+    points = facets.mesh.ngmesh.Coordinates()[:, :facets.mesh.dim]
+    size = np.ptp(points, axis=0).max()
+    number = facets.component.max() + 1
+    if number == 1:
+        return points.mean(axis=0)[None], size
+    members = [{vertex.nr for element in facets.mesh.Elements() if facets.component[element.nr] == part
+                for vertex in element.vertices} for part in range(number)]
+    return np.array([points[sorted(vertices)].mean(axis=0) for vertices in members]), size
+
+
+def _Words(null, facets, part):
+    """Words for a basis of free motions, over translations and rotations."""
+    dim = facets.mesh.dim
+    centre = _Centres(facets)[0][part]
+    words = [f"translation along {axis}" for axis in "xyz"[:dim]]
+    if dim == 2:
+        words.append(f"rotation about ({centre[0]:.3g}, {centre[1]:.3g})")
+    else:
+        words += [f"rotation about an axis along {axis} through ({', '.join(f'{c:.3g}' for c in centre)})" for axis in "xyz"]
+    basis = []
+    for vector in null:
+        leading = np.argsort(-np.abs(vector))
+        basis.append(" with ".join(words[i] for i in leading if abs(vector[i]) > 0.1))
+    where = f" in part {part + 1} of the mesh" if facets.component.max() else ""
+    return " and ".join(basis) + where

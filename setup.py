@@ -1,0 +1,20 @@
+from pathlib import Path
+
+from setuptools import setup
+
+setup(
+    name="ngdgc",
+    version="0.1.0",
+    description="Discontinuous Galerkin methods for frictional contact with normal compliance, on NGSolve",
+    long_description=Path(__file__).with_name("README.md").read_text(encoding="utf-8"),
+    long_description_content_type="text/markdown",
+    license="LGPL-2.1-or-later",
+    python_requires=">=3.10",
+    # The cases are files to read and run in the repository, and a package so that the installed command finds them anywhere.
+    packages=["ngdgc", "ngdgc.solvers", "ngdgc.cases"],
+    package_dir={"ngdgc.cases": "cases"},
+    # webgui_jupyter_widgets carries the viewer's JavaScript, which a page that opens without a network must embed.
+    install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "webgui_jupyter_widgets"],
+    extras_require={"test": ["pytest", "ruff"]},
+    entry_points={"console_scripts": ["ngdgc = ngdgc.cli:Main"]},
+)

@@ -31,10 +31,11 @@ def CheckRegions(problem, mesh, facets):
             raise ProblemError(f"{kind} region {region!r} matches no boundary of the mesh{empty}; "
                                f"it has: {available}")
         for number in numbers:
-            if number in owner:
-                raise ProblemError(f"boundary {mesh.GetBoundaries()[number]!r} is claimed twice, by {owner[number]} and by "
-                                   f"{kind} {region!r}; the parts of the boundary must not overlap")
-            owner[number] = f"{kind} {region!r}"
+            first = owner.setdefault(number, (kind, region))
+            # A roller prescribes the normal component only, so a tangential traction may act there.
+            if first != (kind, region) and {first[0], kind} != {"roller", "traction"}:
+                raise ProblemError(f"boundary {mesh.GetBoundaries()[number]!r} is claimed twice, by {first[0]} {first[1]!r} "
+                                   f"and by {kind} {region!r}; the parts of the boundary must not overlap")
         if np.any(facets.neighbours[facets.On(region)] > 1):
             raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
                                "conditions are for the outer boundary only: rename the interface or the region")
@@ -49,6 +50,21 @@ def CheckData(problem, mesh, facets):
     for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt)):
         for region, value in getattr(problem, kind).items():
             at(value, BoundaryQuadrature.On(facets, region, CHECK_ORDER).points, f"{kind}[{region!r}]")
+    CheckRollerTractions(problem, facets)
+
+
+def CheckRollerTractions(problem, facets):
+    """A traction on a roller is tangential: the normal one is the reaction to the prescribed displacement."""
+    rollers = np.any([facets.On(region) for region in problem.roller], axis=0)
+    for region, value in problem.traction.items():
+        if not np.any(facets.On(region) & rollers):
+            continue
+        quadrature = BoundaryQuadrature.On(facets, region, CHECK_ORDER)
+        traction = VectorsAt(value, quadrature.points, f"traction[{region!r}]")
+        normal = np.einsum("nd,nd->n", traction, quadrature.normals)
+        if np.abs(normal).max() > 1e-10 * np.abs(traction).max():
+            raise ProblemError(f"traction[{region!r}] has a normal component on a roller, where the normal displacement is "
+                               "prescribed; give the tangential part alone")
 
 
 def UnresistedMotion(problem, facets):

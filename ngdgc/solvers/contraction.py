@@ -7,51 +7,43 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Contraction:
-    """Numbers that bound the Uzawa iteration at given penetrations, each computed to a few per cent.
+    """Numbers that bound the Uzawa iteration at given penetrations, each computed to a few per cent, no unit.
 
-    normal : |p_n' S_nn|, the largest eigenvalue of D^(1/2) S_nn D^(1/2) with D = p_n'(r), for p_n = k_n r the k_n |S_nn| of
-        the active zone.  The normal part contracts only while it is below 1.
-    tangential : |p_t S_tt p_t| [stress length], largest eigenvalue with the friction bound as weight.
-    rho : step of the friction update; it contracts only while rho * tangential / 2 + normal < 1 (sufficient).
+    normal : |p_n' S_nn|, the largest eigenvalue of D^(1/2) S_nn D^(1/2) with D = p_n'(r); for p_n = k_n r the k_n |S_nn| of the
+        active zone.  The normal part contracts only while it is below 1.
+    friction : half the largest eigenvalue of s^(1/2) S_tt s^(1/2), s the step of the friction traction.  The iteration
+        contracts if normal + friction < 1.
 
     S is the compliance operator of Gamma_C, traction -> displacement; S_nn and S_tt are its normal and tangential blocks.
     """
 
     normal: float
-    tangential: float
-    rho: float | None = None
-
-    @property
-    def friction(self):
-        """rho |p_t S_tt p_t| / 2, which must stay below 1."""
-        return 0.0 if self.rho is None else 0.5 * self.rho * self.tangential
+    friction: float
 
 
-def EstimateContraction(disc, penetration, *, rho=None, maxiter=12, tol=1e-3):
+def EstimateContraction(disc, penetration, *, step=0.0, maxiter=12, tol=1e-3):
     """Contraction numbers of a Discretization at penetrations (n,) of its contact points.
 
-    Costs at most 2 maxiter applications of A^-1; Lanczos stops when its largest eigenvalue moves by less than `tol`.
-
-    >>> from ngdgc.solvers import Contraction
-    >>> Contraction(normal=0.5, tangential=2e-3, rho=500).friction
-    0.5
+    `step` is that of the friction traction [stress/length], a number or (n,).  Costs at most 2 maxiter applications of A^-1;
+    Lanczos stops when its largest eigenvalue moves by less than `tol`.
     """
     contact = disc.contact
     stiffness = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]
-    bound = contact.Bound(penetration)[:, None]
+    step = np.sqrt(np.broadcast_to(step, contact.weights.shape))[:, None]
 
     def Normal(values):
-        return stiffness * contact.Normal(contact.Displacement(
-            disc.Response(stiffness * values * contact.normals)))[:, None]
+        traction = stiffness * values * contact.normals
+        return stiffness * contact.Normal(contact.Displacement(disc.Response(traction)))[:, None]
 
     def Tangential(values):
-        traction = bound * contact.Tangential(values)
-        return bound * contact.Tangential(contact.Displacement(disc.Response(traction)))
+        traction = step * contact.Tangential(values)
+        return step * contact.Tangential(contact.Displacement(disc.Response(traction)))
 
     weights = contact.weights[:, None]
+    # Smooth and oblique, so that it has a part in every eigenvector of low frequency and in both tangents in 3D.
     tangent = contact.Tangential(np.ones_like(contact.normals) + 0.1 * contact.coordinates)
     return Contraction(normal=_LargestEigenvalue(Normal, stiffness, weights, maxiter, tol),
-                       tangential=_LargestEigenvalue(Tangential, bound * tangent, weights, maxiter, tol), rho=rho)
+                       friction=0.5 * _LargestEigenvalue(Tangential, step * tangent, weights, maxiter, tol))
 
 
 def _LargestEigenvalue(Apply, start, weights, maxiter, tol):

@@ -28,24 +28,26 @@ class UzawaSolver:
     maxiter : limit of iterations
     rho : step of lambda [1/(stress length)], a number > 0 or "auto".
 
-    The rule for "auto".  In the variables p and p_t lambda the step is the projection, onto p >= 0 and |lambda| <= 1, of
-    diag(0, I) - D^(1/2) S D^(1/2) with D = diag(p_n', rho p_t^2), symmetric in L2(Gamma_C).  Its eigenvalues lie below 1
-    because S is positive, and above -1 as soon as D^(1/2) S D^(1/2) < diag(I, 2 I), for which
+    The rule for "auto".  The friction traction p_t lambda moves by the step s = rho p_t^2 [stress/length].  In the variables p
+    and p_t lambda the iteration is the projection, onto p >= 0 and |p_t lambda| <= p_t, of diag(0, I) - D^(1/2) S D^(1/2) with
+    D = diag(p_n', s), symmetric in L2(Gamma_C).  Its eigenvalues lie below 1 because S is positive, and above -1 as soon as
+    D^(1/2) S D^(1/2) < diag(I, 2 I), for which
 
-        |p_n' S_nn| + rho |p_t S_tt p_t| / 2 < 1
+        |p_n' S_nn| + s |S_tt| / 2 < 1
 
-    is sufficient.  With both norms estimated at u^0 (`EstimateContraction`), where the active zone is largest,
+    is sufficient.  So the right thing to keep constant is s, not rho: rho = s/p_t^2 at each point, one number if p_t is
+    constant.  With both norms estimated at u^0 (`EstimateContraction`), where the zone in contact is largest,
 
-        rho = max(1 - |p_n' S_nn|, 1/10) / |p_t S_tt p_t|
+        s = 1.8 max(1 - |p_n' S_nn|, 1/10) / |S_tt|
 
-    takes half of what is left.  If nothing is left no rho helps, and `NotConvergedError` says so.
+    stays a tenth below the limit.  If nothing is left no rho helps, and `NotConvergedError` says so.
 
     >>> UzawaSolver(tol=1e-8).rho
     'auto'
     """
 
     tol: float = 1e-8
-    maxiter: int = 2000
+    maxiter: int = 10000
     rho: Any = "auto"
 
     def __post_init__(self):
@@ -71,7 +73,7 @@ class _Run:
 
     def __init__(self, solver, disc):
         self.solver, self.disc, self.contact = solver, disc, disc.contact
-        self.rho = None if solver.rho == "auto" else solver.rho
+        self.step = None        # s of rho="auto"
         self.deepest = None     # largest penetration at each point over the last steps: the zone that is ever active
 
     def Iterates(self):
@@ -79,44 +81,51 @@ class _Run:
         free = self.disc.FreeSolution()
         u = contact.Displacement(free)
         yield Iterate(free, np.zeros_like(u), u)
-        if self.rho is None:
-            self.rho = self._AutomaticRho(contact.Penetration(u))
+        if self.solver.rho == "auto":
+            self.step = self._AutomaticStep(contact.Penetration(u))
         multiplier = np.zeros_like(u)
         recent = []
         while True:
             r = contact.Penetration(u)
             recent = recent[-3:] + [r]
             self.deepest = np.max(recent, axis=0)
-            bound = contact.Bound(r)[:, None]
-            multiplier = _OntoUnitBall(multiplier + self.rho * bound * contact.Tangential(u))
-            traction = contact.Pressure(r)[:, None] * contact.normals + bound * multiplier
+            bound = contact.Bound(r)
+            multiplier = _OntoUnitBall(multiplier + (self._Rho(bound) * bound)[:, None] * contact.Tangential(u))
+            traction = contact.Pressure(r)[:, None] * contact.normals + bound[:, None] * multiplier
             vector = free - self.disc.Response(traction)
             u = contact.Displacement(vector)
             yield Iterate(vector, traction, u)
 
-    def _AutomaticRho(self, r):
-        estimate = EstimateContraction(self.disc, r)
-        return max(1 - estimate.normal, 0.1) / estimate.tangential if estimate.tangential else 1.0
+    def _Rho(self, bound):
+        """rho at every point, (n,); where there is no friction lambda does not matter and rests."""
+        if self.step is None:
+            return np.full(len(bound), self.solver.rho)
+        return np.where(bound > 0, self.step / np.where(bound > 0, bound, 1) ** 2, 0)
+
+    def _AutomaticStep(self, r):
+        unit = EstimateContraction(self.disc, r, step=np.where(self.contact.Bound(r) > 0, 1.0, 0.0))
+        return 0.9 * max(1 - unit.normal, 0.1) / unit.friction if unit.friction else 1.0
 
     def Diagnose(self, reason):
         """Cause and remedy of a failure, and the contraction numbers at the last iterates."""
-        number = EstimateContraction(self.disc, self.deepest, rho=self.rho)
+        bound = self.contact.Bound(self.deepest)
+        number = EstimateContraction(self.disc, self.deepest, step=self._Rho(bound) * bound ** 2)
+        numbers = f"normal {number.normal:.3g}, friction {number.friction:.3g}, together they must be below 1"
+        rho = f"rho={self.solver.rho!r}"
         if reason == "roundoff":
             return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", number
         if reason == "slow":
-            return (f"Uzawa converges too slowly: contraction number of the normal part {number.normal:.3g}, of the friction "
-                    f"part {number.friction:.3g} (rho = {self.rho:.4g}); raise maxiter, or choose rho='auto'"), number
+            return (f"Uzawa converges too slowly with {rho} ({numbers}, and far below it is slow); raise maxiter, or take "
+                    "rho='auto'"), number
         if number.normal >= 1:
             return (f"Uzawa cannot converge for any rho: the contraction number |p_n' S_nn| is {number.normal:.3g} and must be "
                     "below 1, so the iterates stay bounded and cycle.  Remedy: a foundation that is softer by this factor, "
                     "a stiffer body, or a solver that treats the normal compliance implicitly"), number
         if number.normal + number.friction >= 1:
-            limit = 2 * (1 - number.normal) / number.tangential
-            return (f"Uzawa cycles because rho = {self.rho:.4g} is too large: friction number {number.friction:.3g}, normal "
-                    f"number {number.normal:.3g}, their sum must be below 1.  Remedy: rho < {limit:.3g}, or rho='auto'"), number
-        return (f"Uzawa cycles although its numbers predict convergence (normal {number.normal:.3g}, friction "
-                f"{number.friction:.3g}): the friction bound depends on the penetration and is lagged.  Remedy: a smaller "
-                f"friction coefficient, or rho < {self.rho:.4g}"), number
+            factor = (1 - number.normal) / number.friction
+            return f"Uzawa cycles because {rho} is too large ({numbers}).  Remedy: {factor:.2g} of it, or rho='auto'", number
+        return (f"Uzawa cycles although its numbers predict convergence ({numbers}): the friction bound depends on the "
+                "penetration and is lagged.  Remedy: a smaller friction coefficient, or a smaller rho"), number
 
 
 def _OntoUnitBall(vectors):

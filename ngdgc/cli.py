@@ -1,0 +1,202 @@
+"""The command `ngdgc`: run a case, print Table 3."""
+
+import argparse
+import importlib.util
+import inspect
+import json
+import sys
+from pathlib import Path
+
+from . import __version__
+from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
+
+EPILOG = """examples:
+  ngdgc cases                                                  list the cases
+  ngdgc run cases/example_4_1.py --method ip --n 16 --out results/
+  ngdgc run example_4_2 --method h1 --order 2 --plane strain
+  ngdgc table3                                                 Table 3 of the paper beside ours
+
+exit codes: 0 solved, 1 not converged (what was computed is written), 2 wrong input, 130 interrupted"""
+
+
+def Main(arguments=None):
+    """Entry point; returns the exit code."""
+    try:
+        options = _Parser().parse_args(arguments)
+        return options.command(options)
+    except ProblemError as error:
+        print(f"ngdgc: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("ngdgc: interrupted before anything was computed", file=sys.stderr)
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()      # the reader of our output has gone, for example `| head`
+        return 0
+
+
+class _OneLine(argparse.ArgumentParser):
+    """An argument parser whose errors are one line, without the usage."""
+
+    def error(self, message):
+        self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+
+def _Parser():
+    parser = _OneLine(prog="ngdgc", description="Discontinuous Galerkin methods for frictional contact with normal compliance.",
+                      epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--version", action="version", version=f"ngdgc {__version__}")
+    commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    _AddRun(commands)
+    listing = commands.add_parser("cases", help="list the cases that come with the package")
+    listing.set_defaults(command=ListCases)
+    table = commands.add_parser("table3", help="print Table 3 of the paper, in both protocols, beside our numbers")
+    table.add_argument("--n", type=_Positive, default=128, help="reference mesh 1/n (default 128, the paper's)")
+    table.add_argument("--page", metavar="FILE", help="also write the documentation page to FILE")
+    table.set_defaults(command=Table3)
+    return parser
+
+
+def _AddRun(commands):
+    run = commands.add_parser("run", help="solve a case; write report, figures, HTML page and VTK",
+                              description="Solve a case and write report, figures, an HTML page, a VTK file and the solution.")
+    run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
+    run.add_argument("--method", default="ip", help="ip (interior penalty) or h1 (conforming); default ip")
+    run.add_argument("--penalty", default="auto", type=_NumberOrAuto, help="penalty of ip: auto, or a number as in the paper's "
+                     "eta = penalty mu order^2")
+    run.add_argument("--order", type=_Positive, default=1, help="polynomial degree of the displacement (default 1)")
+    run.add_argument("--n", type=_Positive, default=16, help="cells per side (default 16)")
+    run.add_argument("--plane", help="stress or strain (default: the case's own)")
+    run.add_argument("--cells", help="triangle, triangle-flipped or quad (default: the case's own)")
+    run.add_argument("--rho", default="auto", type=_NumberOrAuto, help="step of Uzawa's friction update: auto or a number")
+    run.add_argument("--tol", type=float, default=1e-8, help="relative tolerance of the iteration (default 1e-8)")
+    run.add_argument("--maxiter", type=_Positive, default=10000, help="limit of iterations (default 10000)")
+    run.add_argument("--scale", type=float, default=1.0, help="factor for the displacement in the pictures (default 1, real scale)")
+    run.add_argument("--out", default="results", help="folder for the results (default results/)")
+    run.set_defaults(command=Run)
+
+
+def _Positive(text):
+    try:
+        value = int(text)
+    except ValueError:
+        value = 0
+    if value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer")
+    return value
+
+
+def _NumberOrAuto(text):
+    if text == "auto":
+        return text
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor auto") from None
+
+
+def CaseFiles():
+    """The cases installed with the package, {name: path}."""
+    folder = importlib.util.find_spec("ngdgc.cases").submodule_search_locations[0]
+    return {path.stem: path for path in sorted(Path(folder).glob("*.py")) if not path.stem.startswith("_")}
+
+
+def LoadCase(name):
+    """The module of a case, from a file or by the name of an installed one; ProblemError if there is none."""
+    path = Path(name)
+    if not path.is_file():
+        path = CaseFiles().get(path.stem if path.suffix == ".py" else name)
+    if path is None:
+        raise ProblemError(f"no case {name!r}: neither a file nor one of {', '.join(CaseFiles())}")
+    spec = importlib.util.spec_from_file_location(f"ngdgc_case_{path.stem}", path)
+    if spec is None:
+        raise ProblemError(f"{name} is not a Python file")
+    module = importlib.util.module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except (SyntaxError, ImportError, NameError) as error:
+        raise ProblemError(f"{name} cannot be loaded: {error}") from error
+    if not callable(getattr(module, "Main", None)):
+        raise ProblemError(f"{name} has no function Main(method=..., order=..., n=...)")
+    return module
+
+
+def ListCases(options):
+    for name in CaseFiles():
+        print(f"{name:<16}{(LoadCase(name).__doc__ or '').strip().splitlines()[0]}")
+    return 0
+
+
+def Run(options):
+    """Solve the case and write everything about it."""
+    from .output import Progress, WriteResults
+
+    case = LoadCase(options.case)
+    arguments = _CaseArguments(case, options)
+    folder = _Folder(options.out)
+    progress = Progress(sys.stdout)
+    name = Path(options.case).stem
+    print(f"{name}: {arguments['method']}, order {options.order}, n = {options.n}")
+    code, message = 0, None
+    try:
+        solution = case.Main(callback=progress, **arguments)
+    except (NotConvergedError, SolveInterrupted) as stop:
+        solution, message = stop.solution, str(stop)
+        code = 1 if isinstance(stop, NotConvergedError) else 130
+    progress.Close()
+    try:
+        written = WriteResults(solution, folder, scale=options.scale)
+    except OSError as error:
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+    print((folder / "report.txt").read_text(encoding="utf-8"))
+    print(f"written to {folder}/: {', '.join(written)}")
+    if message:
+        print(f"ngdgc: {message}", file=sys.stderr)
+    return code
+
+
+def _CaseArguments(case, options):
+    """Keyword arguments for the case's Main; an option that the case does not know is an error."""
+    from .methods import METHODS
+    from .solvers import UzawaSolver
+
+    if options.method not in METHODS:
+        raise ProblemError(f"no method {options.method!r}; choose one of {', '.join(METHODS)}")
+    if options.penalty != "auto" and options.method != "ip":
+        raise ProblemError(f"--penalty does not apply to method {options.method!r}")
+    method = METHODS[options.method](**({"penalty": options.penalty} if options.method == "ip" else {}))
+    arguments = {"method": method, "order": options.order, "n": options.n,
+                 "solver": UzawaSolver(tol=options.tol, maxiter=options.maxiter, rho=options.rho)}
+    known = inspect.signature(case.Main).parameters
+    for name in ("plane", "cells"):
+        value = getattr(options, name)
+        if value is not None:
+            if name not in known:
+                raise ProblemError(f"--{name} does not apply to this case")
+            arguments[name] = value
+    return arguments
+
+
+def _Folder(name):
+    folder = Path(name)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ProblemError(f"cannot write into {name}: {error.strerror}") from error
+    return folder
+
+
+def Table3(options):
+    """Print Table 3; write the page if asked."""
+    from .table3 import Page, Study, Text
+
+    study = Study(n=options.n, callback=lambda line: print(line, file=sys.stderr, flush=True))
+    print(Text(study))
+    if options.page:
+        Path(options.page).write_text(Page(study), encoding="utf-8")
+    return 0
+
+
+
+if __name__ == "__main__":
+    sys.exit(Main())

@@ -1,0 +1,34 @@
+"""Norms of the error and their rates."""
+
+import numpy as np
+from ngsolve import InnerProduct, Integrate
+
+from .exact import ExactStrain
+
+EXTRA = 6       # quadrature degree beyond 2 k: smooth exact solutions are integrated to round-off on unit-size problems
+
+
+def L2Error(solution, displacement):
+    """|u - u_h| in L2(Omega) for a CoefficientFunction u [length^(1 + d/2)]."""
+    difference = solution.gfu - displacement
+    return _Norm(InnerProduct(difference, difference), solution)
+
+
+def EnergyError(solution, displacement):
+    """Square root of int C eps_h(u - u_h):eps_h(u - u_h), the paper's |.|_{1,h} [sqrt(stress length^d)], in 2D."""
+    difference = solution.strain - ExactStrain(displacement)
+    return _Norm(InnerProduct(solution.disc.problem.material.Stress(difference), difference), solution)
+
+
+def _Norm(square, solution):
+    return float(np.sqrt(max(Integrate(square, solution.disc.mesh, order=2 * solution.disc.order + EXTRA), 0)))
+
+
+def Rates(errors, ratio=2):
+    """Observed orders log(e_i/e_(i+1))/log(ratio) of errors on meshes refined by `ratio`, one less than errors.
+
+    >>> [float(rate) for rate in Rates([4.0, 1.0])]
+    [2.0]
+    """
+    errors = np.asarray(errors, dtype=float)
+    return np.log(errors[:-1] / errors[1:]) / np.log(ratio)

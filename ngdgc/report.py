@@ -1,0 +1,93 @@
+"""A solution as a page of text and as a dictionary of plain numbers."""
+
+import numpy as np
+
+LINE = 78
+
+
+def Summary(solution):
+    """The numbers of the report: plain str, int, float, bool, lists and dictionaries."""
+    disc = solution.disc
+    last = solution.history[-1] if solution.history else None
+    slip = np.linalg.norm(solution.slip, axis=1)
+    summary = {
+        "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
+        "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
+        "solver": solution.solver, "converged": solution.converged,
+        "iterations": len(solution.history),
+        "change": last.change if last else None, "law_residual": last.residual if last else None,
+        "solves": last.solves if last else None, "seconds": last.seconds if last else None,
+        "elastic_energy": solution.energy, "normal_force": solution.normalforce,
+        "zones": solution.ZoneLengths(),
+        "penetration": _Range(solution.penetration), "pressure": _Range(solution.pressure),
+        "friction": _Range(np.linalg.norm(solution.friction, axis=1)), "slip": _Range(slip),
+        "resultants": [
+            {"kind": resultant.kind, "region": resultant.region, "force": resultant.force.tolist(),
+             "moment": resultant.moment.tolist(),
+             "integrated_stress": resultant.integrated and [part.tolist() for part in resultant.integrated]}
+            for resultant in solution.Resultants()],
+        "global_imbalance": solution.GlobalImbalance(),
+    }
+    if disc.method.discontinuous:
+        summary["element_imbalance"] = float(np.abs(solution.ElementImbalance()).max())
+    return summary
+
+
+def _Range(values):
+    return {"smallest": float(np.min(values)), "largest": float(np.max(values))}
+
+
+def Report(solution):
+    """A page of text."""
+    numbers = Summary(solution)
+    return "\n".join([_Head(numbers), "", *_Iteration(numbers), "", *_Contact(numbers), "", *_Forces(numbers), ""])
+
+
+def _Head(numbers):
+    title = f"{numbers['options']}, order {numbers['order']}, {numbers['dimension']}D"
+    size = f"{numbers['elements']} elements, {numbers['dofs']} unknowns, {numbers['contact_points']} contact points"
+    return f"{title}\n{size}\n{'=' * LINE}"
+
+
+def _Iteration(numbers):
+    if numbers["change"] is None:
+        return [numbers["solver"] or "no iteration recorded"]
+    state = "converged" if numbers["converged"] else "NOT CONVERGED: the numbers below are those of the last iterate"
+    return [numbers["solver"],
+            f"  {state}, {numbers['iterations']} iterations, {numbers['solves']} linear solves, {numbers['seconds']:.2f} s",
+            f"  last change {numbers['change']:.1e}, distance to the contact law {numbers['law_residual']:.1e}"]
+
+
+def _Contact(numbers):
+    length = "length" if numbers["dimension"] == 2 else "area"
+    total = sum(numbers["zones"].values())
+    zones = ",  ".join(f"{name} {size:.4g} ({100 * size / total:.0f} %)" for name, size in numbers["zones"].items())
+    rows = [("penetration u_n - g", "penetration"), ("pressure p_n", "pressure"), ("friction |sigma_t|", "friction"),
+            ("slip |u_t|", "slip")]
+    return [f"Contact boundary: {length} {total:.4g}", f"  {zones}",
+            *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g}" for label, key in rows),
+            f"  {'int p_n':<22}{numbers['normal_force']:>14.6g}",
+            f"Elastic energy {numbers['elastic_energy']:.6g}"]
+
+
+def _Forces(numbers):
+    dim = numbers["dimension"]
+    axes = "xyz"[:dim]
+    columns = [f"F_{axis}" for axis in axes] + (["moment"] if dim == 2 else [f"M_{axis}" for axis in axes])
+    rows = ["Forces on the body and moments about the origin", " " * 26 + "".join(f"{column:>13}" for column in columns)]
+    total = np.zeros(len(columns))
+    for resultant in numbers["resultants"]:
+        modes = np.array(resultant["force"] + resultant["moment"])
+        total += modes
+        rows.append(_Row(f"{resultant['kind']} {resultant['region'] or ''}", modes))
+        if resultant["integrated_stress"]:
+            rows.append(_Row("  integrated sigma n", np.concatenate(resultant["integrated_stress"])))
+    rows.append(_Row("sum", total))
+    balance = f"Balance: whole body {numbers['global_imbalance']:.1e}"
+    if "element_imbalance" in numbers:
+        balance += f", worst element {numbers['element_imbalance']:.1e} (relative)"
+    return [*rows, balance]
+
+
+def _Row(label, modes):
+    return f"  {label:<24}" + "".join(f"{mode:>13.5g}" for mode in modes)

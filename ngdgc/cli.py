@@ -3,7 +3,6 @@
 import argparse
 import importlib.util
 import inspect
-import json
 import sys
 from pathlib import Path
 
@@ -71,7 +70,7 @@ def _AddRun(commands):
     run.add_argument("--rho", default="auto", type=_NumberOrAuto, help="step of Uzawa's friction update: auto or a number")
     run.add_argument("--tol", type=float, default=1e-8, help="relative tolerance of the iteration (default 1e-8)")
     run.add_argument("--maxiter", type=_Positive, default=10000, help="limit of iterations (default 10000)")
-    run.add_argument("--scale", type=float, default=1.0, help="factor for the displacement in the pictures (default 1, real scale)")
+    run.add_argument("--scale", type=float, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
     run.set_defaults(command=Run)
 
@@ -195,7 +194,6 @@ def Table3(options):
     if options.page:
         Path(options.page).write_text(Page(study), encoding="utf-8")
     return 0
-
 
 
 if __name__ == "__main__":

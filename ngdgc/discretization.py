@@ -14,6 +14,8 @@ from .problem import ContactProblem
 from .stability import CheckCoercivity
 from .validation import CheckProblem, UnresistedMotion
 
+LOADBONUS = 2       # quadrature degrees for loads that are no polynomials of the order of the displacement
+
 
 class Discretization:
     """The discrete problem A u = f - T' W t, t = law(T u), of a method of order k >= 1 on a mesh.
@@ -76,8 +78,9 @@ class Discretization:
 
     def _Energy(self):
         u, v = self.space.TnT()
-        form = BilinearForm(self.space, symmetric=False)
-        form += InnerProduct(self.problem.material.Stress(Strain(u)), Strain(v)) * dx
+        material = self.problem.material
+        form = BilinearForm(self.space)
+        form += InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=material.bonus)
         return form
 
     def _AddPenalty(self, form):
@@ -96,9 +99,10 @@ class Discretization:
         v, problem = self.space.TestFunction(), self.problem
         integrals = {}
         if problem.bodyforce is not None:
-            integrals["bodyforce", None] = Unfolded(problem.bodyforce) * v * dx
+            integrals["bodyforce", None] = Unfolded(problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS)
         for region, value in problem.traction.items():
-            integrals["traction", region] = Unfolded(value) * v * ds(skeleton=True, definedon=self.mesh.Boundaries(region))
+            integrals["traction", region] = Unfolded(value) * v * ds(
+                skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
         for part in self.facetsets:
             if part.value is not None:
                 integrals["prescribed", part.region] = (part.Penalty(part.value) * part.Jump(v) * part.measure

@@ -63,6 +63,11 @@ class HookeMaterial:
         """C strain, shape (d, d) [stress]."""
         return self.lam * Trace(strain) * Id(strain.dims[0]) + 2 * self.mu * strain
 
+    @property
+    def bonus(self):
+        """Quadrature degrees that integrals with C need beyond those of the displacement: 2 if C varies in space."""
+        return 0 if IsNumber(self.mu) and IsNumber(self.lam) else 2
+
     def OtherStress(self, strain):
         """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""
         mu, lam = (value if IsNumber(value) else value.Other() for value in (self.mu, self.lam))
@@ -129,6 +134,11 @@ class AnisotropicMaterial:
     def Stress(self, strain):
         """C strain, shape (d, d) [stress]."""
         return self._Contract(strain, self.voigt)
+
+    @property
+    def bonus(self):
+        """Quadrature degrees that integrals with C need beyond those of the displacement: 2 if C varies in space."""
+        return 0 if all(IsNumber(entry) for row in self.voigt for entry in row) else 2
 
     def OtherStress(self, strain):
         """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""

@@ -26,7 +26,7 @@ class Interior:
 
     def __init__(self, material, mesh, penalty):
         self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
-        self.measure = dx(skeleton=True)
+        self.measure = dx(skeleton=True, bonus_intorder=material.bonus)
 
     def Jump(self, u):
         return u - u.Other()
@@ -47,7 +47,7 @@ class Clamped:
 
     def __init__(self, material, mesh, penalty, region, value):
         self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
-        self.region, self.measure = region, ds(skeleton=True, definedon=mesh.Boundaries(region))
+        self.region, self.measure = region, ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=material.bonus)
         self.value = self._Prescribed(value)
 
     def _Prescribed(self, value):

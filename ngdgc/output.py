@@ -13,7 +13,8 @@ class Progress:
         self.written = False
 
     def __call__(self, step):
-        line = f"iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   {step.seconds:7.2f} s"
+        line = (f"iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
+                f"{step.seconds:7.2f} s")
         if self.live:
             self.stream.write("\r" + line)
             self.written = True
@@ -27,10 +28,10 @@ class Progress:
 
 
 def WriteResults(solution, folder, *, scale=1.0):
-    """Write report.txt, report.json, the figures, solution.html, solution.vtu and solution/ into `folder`; the list of names.
+    """Write report, figures, page, VTK and solution into `folder`; the list of names.
 
-    Figures are for 2D.  `scale` multiplies the displacement in the pictures; with another scale than 1 the deformed body is drawn
-    at real scale too.
+    Figures are for 2D.  `scale` multiplies the displacement in the pictures; with another scale than 1 the deformed body is
+    drawn at real scale too.
     """
     from .export import WriteHTML, WriteVTK
     from .plots import ContactFigure, DeformedFigure, HistoryFigure, SettingFigure

@@ -33,8 +33,9 @@ def ElementPencil(material, facets, order, facetweight, quadratic):
     mesh = facets.mesh
     space = VectorL2(mesh, order=order)
     u, v = space.TnT()
-    energy = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx)
-    boundary = BilinearForm(facets.Function(facetweight) * quadratic(Strain(u), Strain(v)) * dx(element_boundary=True))
+    energy = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=material.bonus))
+    boundary = BilinearForm(facets.Function(facetweight) * quadratic(Strain(u), Strain(v))
+                            * dx(element_boundary=True, bonus_intorder=material.bonus))
     with TaskManager():
         energy.Assemble()
         boundary.Assemble()

@@ -172,7 +172,8 @@ def Text(readings):
 def Page(readings):
     """The documentation page, Markdown."""
     lines = ["# Table 3 of the paper, in every reading", "",
-             "Written by `ngdgc table3 --page docs/table3.md`; nothing on this page is typed by hand.", "", *__doc__.split("\n")[2:],
+             "Written by `ngdgc table3 --page docs/table3.md`; nothing on this page is typed by hand.", "",
+             *__doc__.split("\n")[2:],
              "Ratios to the published numbers are in parentheses; `/` and `\\` are the diagonals of the squares.", "",
              "## Which reading comes closest", "", *(f"* {sentence}" for sentence in Verdict(readings)), ""]
     for example, method in product(EXAMPLES, METHODS):

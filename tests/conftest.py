@@ -1,0 +1,36 @@
+"""Things every test file uses."""
+
+import numpy as np
+import pytest
+from ngsolve import CF, GridFunction, y
+
+from ngdgc import Conforming, ContactProblem, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, TrescaFriction
+
+METHODS = [InteriorPenalty(), InteriorPenalty(penalty=30), Conforming()]
+
+
+@pytest.fixture(params=METHODS, ids=["ip-auto", "ip-30", "h1"])
+def method(request):
+    return request.param
+
+
+def Example(stiffness=450.0, *, plane="strain", friction=1.0, **replacements):
+    """Example 4.1 with some data replaced."""
+    arguments = {"material": HookeMaterial(E=2000, nu=0.4, plane=plane),
+                 "foundation": Foundation("bottom", NormalCompliance(stiffness), friction=TrescaFriction(friction), gap=0.05),
+                 "dirichlet": {"right": CF((0, 0))}, "traction": {"left": CF((200 * (5 - y), -190))}, **replacements}
+    return ContactProblem(**arguments)
+
+
+def Interpolate(disc, displacement):
+    """Coefficients (ndof,) of a polynomial that lies in the space."""
+    function = GridFunction(disc.space)
+    function.Set(displacement, bonus_intorder=4)
+    return function.vec.FV().NumPy().copy()
+
+
+def Residual(disc, vector, traction):
+    """A u - f + T' W t on the free dofs, relative to the load."""
+    residual = disc.Multiply(vector) - disc.load + disc.contact.Load(traction)
+    free = np.array(list(disc.space.FreeDofs()))
+    return np.abs(residual[free]).max() / np.abs(disc.load).max()

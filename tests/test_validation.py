@@ -1,0 +1,161 @@
+"""Every mistake in a problem is an error that names culprit and remedy, before anything is solved."""
+
+import pytest
+from conftest import Example
+from netgen.csg import unit_cube
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, IfPos, Mesh, sqrt, x
+
+from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, ProblemError, TrescaFriction, UzawaSolver)
+from ngdgc.meshes import RectangleMesh
+
+NAN = sqrt(-1 - x)
+SOFT = NormalCompliance(450)
+
+
+def test_the_example_itself_is_accepted(method):
+    disc = Discretization(Example(), method, RectangleMesh(2), order=1)
+    assert disc.unresisted is None and UzawaSolver().Solve(disc).converged
+
+
+@pytest.mark.parametrize("changes, culprit", [
+    ({"dirichlet": {"rihgt": CF((0, 0))}}, "dirichlet region 'rihgt' matches no boundary.*bottom, left, right, top"),
+    ({"traction": {"east": CF((0, 0))}}, "traction region 'east'"), ({"roller": {"north": 0}}, "roller region 'north'"),
+    ({"foundation": Foundation("floor", SOFT)}, "foundation region 'floor' matches no boundary.*Gamma_C would be empty"),
+    ({"foundation": Foundation("", SOFT)}, "Gamma_C would be empty"),
+    ({"foundation": Foundation("bottom|right", SOFT)}, "'right' is claimed twice, by dirichlet 'right' and by foundation"),
+    ({"traction": {"left|bottom": CF((0, 0))}}, "'bottom' is claimed twice"),
+    ({"dirichlet": {"right": CF((0, 0)), "ri.*": CF((0, 0))}}, "'right' is claimed twice"),
+    ({"foundation": [Foundation("bottom", SOFT), Foundation("bot.*", SOFT)]}, "'bottom' is claimed twice"),
+    ({"roller": {"top": 0}, "traction": {"top": CF((1, 1))}}, r"traction\['top'\] has a normal component on a roller"),
+    ({"traction": {"left": CF((NAN, 0))}}, r"traction\['left'\] is not finite"),
+    ({"dirichlet": {"right": CF((0, NAN))}}, r"dirichlet\['right'\] is not finite"),
+    ({"roller": {"top": NAN}}, r"roller\['top'\] is not finite"), ({"bodyforce": CF((NAN, 0))}, "bodyforce is not finite"),
+    ({"material": HookeMaterial(E=NAN, nu=0.3)}, "mu is not finite"),
+    ({"material": HookeMaterial(mu=IfPos(x - 0.5, 1, -1), lam=1)}, "mu is -1"),
+    ({"material": HookeMaterial(mu=1, lam=-2 + 0 * x)}, r"2\*lam \+ 2\*mu is -2"),
+    ({"material": AnisotropicMaterial([[1, 0, 0], [0, x - 0.5, 0], [0, 0, 1]])}, "not positive definite"),
+    ({"foundation": Foundation("bottom", NormalCompliance(x - 0.5))}, "foundation 'bottom': stiffness is"),
+    ({"foundation": Foundation("bottom", SOFT, gap=NAN)}, "foundation 'bottom': gap is not finite"),
+    ({"foundation": Foundation("bottom", SOFT, friction=TrescaFriction(x - 2))}, "foundation 'bottom': bound is"),
+    ({"dirichlet": None}, "foundation alone"), ({"dirichlet": None, "roller": {"right": 0}}, "foundation alone")])
+def test_bad_data_on_a_mesh(changes, culprit, method):
+    with pytest.raises(ProblemError, match=culprit):
+        UzawaSolver().Solve(Discretization(Example(**changes), method, RectangleMesh(2), order=1))
+
+
+@pytest.mark.parametrize("changes, culprit", [
+    ({"dirichlet": {"right": 0}}, r"dirichlet\['right'\] is 0; a vector"), ({"dirichlet": {"right": CF(0)}}, "1 component"),
+    ({"dirichlet": "right"}, "dirichlet is 'right'; give a dictionary"), ({"roller": {"top": CF((0, 0))}}, "2 components"),
+    ({"traction": {"left": CF((0, 0, 0))}}, "different dimensions"), ({"bodyforce": 3}, "bodyforce is 3"),
+    ({"foundation": None}, "at least one"), ({"foundation": "bottom"}, "give a Foundation"),
+    ({"material": 2000}, "material is 2000"),
+    ({"dirichlet": {"right": (0, float("nan"))}}, r"dirichlet\['right'\] is nan")])
+def test_bad_data_without_a_mesh(changes, culprit):
+    with pytest.raises(ProblemError, match=culprit):
+        Example(**changes)
+
+
+@pytest.mark.parametrize("order", [0, -1, 1.5, "two", True])
+def test_bad_order(order, method):
+    with pytest.raises(ProblemError, match="order is"):
+        Discretization(Example(), method, RectangleMesh(2), order=order)
+
+
+@pytest.mark.parametrize("rho", [0, -1.0, float("nan"), float("inf"), "best"])
+def test_bad_rho(rho):
+    with pytest.raises(ProblemError, match="rho is"):
+        UzawaSolver(rho=rho)
+
+
+@pytest.mark.parametrize("arguments", [{"tol": 0}, {"tol": -1}, {"tol": 2}, {"maxiter": 0}, {"maxiter": 1.5}])
+def test_bad_solver_arguments(arguments):
+    with pytest.raises(ProblemError, match=f"{next(iter(arguments))} is"):
+        UzawaSolver(**arguments)
+
+
+@pytest.mark.parametrize("penalty", [0, -3, float("nan"), "large", None])
+def test_bad_penalty(penalty):
+    with pytest.raises(ProblemError, match="penalty is"):
+        InteriorPenalty(penalty=penalty)
+
+
+def test_mesh_of_the_wrong_dimension(method):
+    cube = Mesh(unit_cube.GenerateMesh(maxh=1))
+    with pytest.raises(ProblemError, match="mesh has dimension 3, the data of the problem have 2"):
+        Discretization(Example(), method, cube, order=1)
+    scalar = ContactProblem(HookeMaterial(E=1, nu=0.3, plane="stress"), Foundation("bottom", SOFT), roller={"top": 0})
+    with pytest.raises(ProblemError, match="plane='stress' on a mesh of dimension 3"):
+        Discretization(scalar, method, cube, order=1)
+
+
+def test_interface_inside_the_body_is_no_boundary(method):
+    geometry = SplineGeometry()
+    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"], leftdomain=1)
+    geometry.AddRectangle((0.3, 0.3), (0.7, 0.7), bc="interface", leftdomain=2, rightdomain=1)
+    with pytest.raises(ProblemError, match="'interface' contains facets inside the body"):
+        problem = Example(foundation=Foundation("interface", SOFT))
+        Discretization(problem, method, Mesh(geometry.GenerateMesh(maxh=0.4)), order=1)
+
+
+def test_floating_body_names_the_motion(method):
+    """A frictionless foundation below resists neither a horizontal translation nor, on the disc, a rotation."""
+    problem = Example(dirichlet=None, traction=None, foundation=Foundation("bottom", SOFT))
+    with pytest.raises(ProblemError, match="body floats: nothing resists translation along x"):
+        Discretization(problem, method, RectangleMesh(2), order=1)
+    geometry = SplineGeometry()
+    geometry.AddCircle((2, 3), 1, bc="rim")
+    mesh = Mesh(geometry.GenerateMesh(maxh=0.5)).Curve(6)     # a circle up to round-off squared
+    disc = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("rim", SOFT))
+    with pytest.raises(ProblemError, match=r"rotation about \(2, 3\)"):
+        Discretization(disc, method, mesh, order=2)
+
+
+def test_held_by_the_foundation_alone_is_legitimate_but_not_for_uzawa(method):
+    problem = Example(dirichlet=None, roller={"left|right": 0}, traction=None, bodyforce=(0, -1))
+    disc = Discretization(problem, method, RectangleMesh(2), order=1)
+    assert disc.unresisted == "translation along y"
+    with pytest.raises(ProblemError, match="only contact resists translation along y.*legitimate"):
+        UzawaSolver().Solve(disc)
+    held = Discretization(Example(dirichlet={"right": CF((0, 0))}), method, RectangleMesh(2), order=1)
+    assert held.unresisted is None
+
+
+def test_part_of_the_mesh_that_floats(method):
+    """Two separate squares, only one of them held."""
+    geometry = SplineGeometry()
+    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"])
+    geometry.AddRectangle((3, 0), (4, 1), bc="other")
+    mesh = Mesh(geometry.GenerateMesh(maxh=0.5))
+    with pytest.raises(ProblemError, match="the body floats.*part 2 of the mesh"):
+        Discretization(Example(), method, mesh, order=1)
+    both = Example(dirichlet={"right|other": CF((0, 0))})
+    assert Discretization(both, method, mesh, order=1).unresisted is None
+
+
+@pytest.mark.parametrize("arguments, culprit", [
+    (("problem", Conforming(), None), "problem is 'problem'"), ((Example(), "ip", None), "method is 'ip'")])
+def test_arguments_of_the_wrong_kind(arguments, culprit):
+    with pytest.raises(ProblemError, match=culprit):
+        Discretization(*arguments[:2], RectangleMesh(1), order=1)
+
+
+def test_penalty_that_loses_coercivity_is_detected_not_assumed():
+    """P1 with lam/mu = 4: the threshold lies near 21.5 (paper.md); nearly incompressible, the paper's 30 is lost."""
+    mesh = RectangleMesh(4)
+    for penalty, nu, safe in ((30, 0.4, True), (18, 0.4, False), (5, 0.4, False), (30, 0.495, False), (1500, 0.495, True)):
+        problem = Example(material=HookeMaterial(E=2000, nu=nu))
+        disc = Discretization(problem, InteriorPenalty(penalty=penalty), mesh, order=1)
+        if safe:
+            assert UzawaSolver().Solve(disc).converged
+        else:
+            with pytest.raises(ProblemError, match=f"penalty={penalty} loses coercivity.*penalty='auto'"):
+                UzawaSolver().Solve(disc)
+
+
+def test_mesh_helper_refuses_nonsense():
+    for arguments in ({"n": 0}, {"n": 2.5}, {"n": 2, "cells": "hexagon"}):
+        with pytest.raises(ProblemError, match=f"{list(arguments)[-1]} is"):
+            RectangleMesh(**arguments)
+

@@ -11,7 +11,7 @@ setup(
     license="LGPL-2.1-or-later",
     python_requires=">=3.10",
     # The cases are files to read and run in the repository, and a package so that the installed command finds them anywhere.
-    packages=["ngdgc", "ngdgc.solvers", "ngdgc.cases"],
+    packages=["ngdgc", "ngdgc.solvers", "ngdgc.plots", "ngdgc.cases"],
     package_dir={"ngdgc.cases": "cases"},
     # webgui_jupyter_widgets carries the viewer's JavaScript, which a page that opens without a network must embed.
     install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "webgui_jupyter_widgets"],

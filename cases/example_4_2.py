@@ -2,7 +2,7 @@
 
 Domain: (0,1) x (0,1) [mm], clamped on top, touching the foundation (gap 0).
 Problem: E = 2500, nu = 0.2 [daN/mm^2]; traction (880, 0) on the left; p_n = 250 r, friction bound 1.
-What to look at: the left half of the bottom separates, the right half presses and slips.
+What to look at: the left half of the bottom presses and slips, the right half lifts off.
 Source: Example 4.2 of Xiao, Wang, Han, Numer. Funct. Anal. Optim. 2018.
 """
 

@@ -17,6 +17,11 @@ SEPARATION, STICK, SLIP = 0, 1, 2
 ZONES = ("separation", "stick", "slip")
 
 
+def Scale(vectors):
+    """Largest length of vectors (n, d), or 1 if all vanish."""
+    return np.linalg.norm(vectors, axis=1).max(initial=0) or 1.0
+
+
 class ContactBoundary:
     """All foundations of a problem on one mesh, n quadrature points in d dimensions.
 
@@ -99,14 +104,18 @@ class ContactBoundary:
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""
         return self.trace.T @ (self.weights[:, None] * traction).ravel()
 
-    def Zones(self, r, traction):
-        """SEPARATION, STICK or SLIP at every point from penetration and traction, (n,).
+    def Zones(self, displacement, traction):
+        """SEPARATION, STICK or SLIP at every point from displacement and traction (n, d), (n,).
 
-        Slip is |sigma_t| = p_t up to round-off of the projection onto the disc; a point in contact without friction slips.
+        A point in contact is assigned to the branch of the friction graph that it is closer to: stick, |u_t| = 0, in units of
+        max |u|, or slip, |sigma_t| = p_t, in units of max p_t.  Iterates lie on the graph only to their tolerance, so
+        |sigma_t| < p_t alone would not tell.  Contact without friction slips.
         """
-        tangential = np.linalg.norm(self.Tangential(traction), axis=1)
-        slip = tangential >= self.Bound(r) * (1 - 1e-8)
-        return np.where(r <= 0, SEPARATION, np.where(slip, SLIP, STICK))
+        r = self.Penetration(displacement)
+        bound = self.Bound(r)
+        creep = np.linalg.norm(self.Tangential(displacement), axis=1) / Scale(displacement)
+        reserve = (bound - np.linalg.norm(self.Tangential(traction), axis=1)) / (bound.max(initial=0) or 1)
+        return np.where(r <= 0, SEPARATION, np.where(reserve <= creep, SLIP, STICK))
 
 
 def TraceMatrix(space, scalar, points):

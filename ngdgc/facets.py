@@ -123,7 +123,7 @@ class BoundaryQuadrature:
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
         jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)
         measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))
-        weights, inside = measure.copy(), points.copy()
+        weights, inside, normals = measure.copy(), points.copy(), np.empty((len(points), dim))
         inside["VorB"] = 0
         starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))
         for start in starts:
@@ -132,19 +132,32 @@ class BoundaryQuadrature:
             here = slice(start, start + len(rules[element.type]))
             weights[here] *= rules[element.type].weights
             volume = mesh[ElementId(VOL, cls._Neighbour(facets, number))]
-            corners = [REFERENCE_VERTICES[volume.type][list(volume.vertices).index(vertex)] for vertex in element.vertices]
+            vertices = np.array(REFERENCE_VERTICES[volume.type], dtype=float)
+            corners = vertices[[list(volume.vertices).index(vertex) for vertex in element.vertices]]
+            normals[here] = _ReferenceNormal(corners, vertices.mean(axis=0), dim)
             inside["nr"][here] = volume.nr
-            reference = _VertexFunctions(element.type, points["x"][here], points["y"][here]) @ np.array(corners, float)
+            reference = _VertexFunctions(element.type, points["x"][here], points["y"][here]) @ corners
             for axis, values in zip("xyz", reference.T):
                 inside[axis][here] = values
+        # NGSolve's normal at boundary points follows the orientation of the boundary element, which may point into the body
+        # (holes, mirrored meshes); the reference normal of the adjacent element, mapped as a covector, always points outward.
+        mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)
+        normals = np.linalg.solve(np.swapaxes(mapping, 1, 2), normals[..., None])[..., 0]
         return cls(points=points, inside=inside, weights=weights,
                    coordinates=np.asarray(Coordinates(dim)(points)).reshape(-1, dim),
-                   normals=np.asarray(specialcf.normal(dim)(points)).reshape(-1, dim))
+                   normals=normals / np.linalg.norm(normals, axis=1)[:, None])
 
     @staticmethod
     def _Neighbour(facets, number):
         facet = facets.space.GetDofNrs(ElementId(BND, number))[0]
         return int(facets.incidence.indices[facets.incidence.indptr[facet]])
+
+
+def _ReferenceNormal(corners, centre, dim):
+    """Normal of a facet of the reference element, (dim,), pointing away from its centre; any length."""
+    edges = (corners - corners[0])[1:, :dim]
+    normal = np.array([edges[0][1], -edges[0][0]]) if dim == 2 else np.cross(edges[0], edges[1])
+    return normal * np.sign(normal @ (corners[0] - centre)[:dim])
 
 
 def _VertexFunctions(et, s, t):

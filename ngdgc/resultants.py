@@ -34,7 +34,8 @@ def RigidBasis(space):
     basis = []
     for motion in RigidMotions(space.mesh.dim):
         function = GridFunction(space)
-        function.Set(motion, bonus_intorder=1)      # exact: the default rule is too weak for discontinuous P1
+        # With its default rule Set reproduces functions of the space on curved elements too; with a bonus it does not.
+        function.Set(motion)
         basis.append(function.vec.FV().NumPy().copy())
     return np.array(basis)
 

@@ -94,7 +94,7 @@ class ContactSolution:
     @property
     def zones(self):
         """0 separation, 1 stick, 2 slip at the contact points, (n,); names in `ngdgc.contact.ZONES`."""
-        return self.disc.contact.Zones(self.penetration, self.traction)
+        return self.disc.contact.Zones(self.displacement, self.traction)
 
     def ZoneLengths(self):
         """Length (2D) or area (3D) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..contact import Scale
 from ..exceptions import NotConvergedError, SolveInterrupted
 from ..solution import ContactSolution
 
 WINDOW = 10         # iterations over which progress is judged
 NOPROGRESS = 0.97   # the largest change of a window against the window before: 0.997 per iteration
+BLOWUP = 1e6        # growth of the displacement over two windows that no convergent iteration shows
 
 
 @dataclass(frozen=True)
@@ -45,7 +47,7 @@ def LawResidual(contact, iterate):
     |t_t - p_t u_t/|u_t|| / max p_t (slip).
     """
     u, t = iterate.displacement, iterate.traction
-    uscale, tscale = _Scale(u), _Scale(t)
+    uscale, tscale = Scale(u), Scale(t)
     r = contact.Penetration(u)
     normal = np.abs(contact.Normal(t) - contact.Pressure(r)) / (tscale + contact.PressureDerivative(r) * uscale)
     bound = contact.Bound(r)
@@ -54,10 +56,6 @@ def LawResidual(contact, iterate):
     direction = slip / np.where(length > 0, length, 1)[:, None]
     sliding = np.linalg.norm(friction - bound[:, None] * direction, axis=1) / (bound.max(initial=0) or 1)
     return float(max(normal.max(initial=0), np.minimum(length / uscale, sliding).max(initial=0)))
-
-
-def _Scale(vectors):
-    return np.linalg.norm(vectors, axis=1).max(initial=0) or 1.0
 
 
 def Drive(solver, disc, iterates, callback, Diagnose):
@@ -78,7 +76,7 @@ def Drive(solver, disc, iterates, callback, Diagnose):
     try:
         for number, iterate in enumerate(iterates):
             if positions:
-                change = _Scale(iterate.displacement - positions[-1]) / _Scale(iterate.displacement)
+                change = Scale(iterate.displacement - positions[-1]) / Scale(iterate.displacement)
                 if np.array_equal(iterate.displacement, positions[-1]):
                     change = 0.0
                 history.append(Step(number, change, LawResidual(disc.contact, iterate), disc.solves,
@@ -105,16 +103,21 @@ def _Verdict(solver, history, positions):
     last = history[-1]
     if last.change <= solver.tol and last.residual <= solver.tol:
         return "converged"
-    if not np.isfinite(last.change):
+    if len(positions) > 1 and Scale(positions[-1]) > BLOWUP * Scale(positions[0]):
         return "cycle"
     if len(positions) > 2 * WINDOW:
         changes = [step.change for step in history[-2 * WINDOW:]]
-        if max(changes[WINDOW:]) > NOPROGRESS * max(changes[:WINDOW]):
-            # A slow monotone iteration also changes by nearly constant amounts, but it gets somewhere.
-            steps = [np.linalg.norm(b - a) for a, b in zip(positions[-WINDOW - 1:], positions[-WINDOW:])]
-            if np.linalg.norm(positions[-1] - positions[-WINDOW - 1]) < 0.5 * sum(steps):
-                return "roundoff" if max(changes[WINDOW:]) < 1e-11 else "cycle"
+        if max(changes[WINDOW:]) > NOPROGRESS * max(changes[:WINDOW]) and not _GoesSomewhere(positions[-WINDOW - 1:]):
+            return "roundoff" if max(changes[WINDOW:]) < 1e-11 else "cycle"
     return "slow" if last.number >= solver.maxiter else None
+
+
+def _GoesSomewhere(positions):
+    """False for a path that turns back: a slow monotone iteration also changes by nearly constant amounts, but goes on."""
+    steps = [b - a for a, b in zip(positions[:-1], positions[1:])]
+    lengths = [np.linalg.norm(step) for step in steps]
+    turns = [np.vdot(a, b) for a, b in zip(steps[:-1], steps[1:])]
+    return sum(turn < 0 for turn in turns) < len(turns) / 2 and np.linalg.norm(sum(steps)) > 0.5 * sum(lengths)
 
 
 def _Last(history):

@@ -119,7 +119,7 @@ class _Run:
                     "rho='auto'"), number
         if number.normal >= 1:
             return (f"Uzawa cannot converge for any rho: the contraction number |p_n' S_nn| is {number.normal:.3g} and must be "
-                    "below 1, so the iterates stay bounded and cycle.  Remedy: a foundation that is softer by this factor, "
+                    "below 1, so the iterates cycle instead of settling.  Remedy: a foundation that is softer by this factor, "
                     "a stiffer body, or a solver that treats the normal compliance implicitly"), number
         if number.normal + number.friction >= 1:
             factor = (1 - number.normal) / number.friction

@@ -1,0 +1,9 @@
+"""Figures of plane problems and solutions: setting, deformed mesh, contact quantities, history.
+
+Every function returns a matplotlib Figure and leaves pyplot and its backends alone: DeformedFigure(solution).savefig("u.png").
+"""
+
+from .contact import ZONE_COLOURS, ContactFigure
+from .deformed import DeformedFigure
+from .history import HistoryFigure
+from .setting import SettingFigure

@@ -1,0 +1,58 @@
+"""Axes, colours and foundation blocks that the figures of a body share."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from ..exceptions import ProblemError
+from .curves import Left, Outline
+
+# Okabe and Ito's colours, which colour-blind readers tell apart; the foundation is red as in the paper.
+BLUE, ORANGE, VERMILION, GREEN, RED = "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC3311"
+THICKNESS = 0.18    # of a foundation block, relative to the body
+
+
+def PlaneAxes(mesh):
+    if mesh.dim != 2:
+        raise ProblemError("these figures are for plane problems; in 3D write a page with WriteHTML or a file with WriteVTK")
+    figure = Figure(figsize=(7, 5), layout="constrained")
+    axes = figure.add_subplot(aspect="equal")
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.margins(0.03)
+    return figure, axes
+
+
+def Frame(axes):
+    """Limits around everything, texts included, and a figure of the same shape."""
+    figure = axes.figure
+    axes.set(xlabel="x [length]", ylabel="y [length]")
+    for _ in range(3):
+        axes.autoscale_view()
+        shape = np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())
+        height = np.clip(6.2 * shape, 1.8, 5.2)
+        figure.set_size_inches(np.clip(height / shape, 4.4, 6.2) + 0.8, height + 0.8)
+        figure.draw_without_rendering()
+        for text in axes.texts:
+            axes.update_datalim(axes.transData.inverted().transform(text.get_window_extent().get_points()))
+    return figure
+
+
+def Thickness(disc, curve):
+    """Of a block behind a curve: a part of the body's extent along the normals, less where the offset would fold."""
+    wanted = THICKNESS * np.ptp(Outline(disc) @ curve.normals.T, axis=0).mean()
+    along, turn = np.diff(curve.coordinates, axis=0), np.diff(curve.normals, axis=0)
+    folding = np.sum(along * turn, axis=1)
+    folds = folding < -1e-9 * np.linalg.norm(along, axis=1)
+    return min(wanted, 0.7 * np.min(np.sum(along[folds]**2, axis=1) / -folding[folds], initial=np.inf))
+
+
+def DrawBlock(axes, curve, gap, thickness, reach=(0, 0)):
+    """The block whose surface is x + gap n; pale where it is drawn beyond its ends by `reach` along the tangents [length]."""
+    surface = curve.coordinates + gap[:, None] * curve.normals
+    back = surface + thickness * curve.normals
+    axes.add_patch(Polygon(np.concatenate([surface, back[::-1]]), facecolor=RED, edgecolor="none", gid="foundation"))
+    for end, sign, length in ((0, -1, reach[0]), (-1, 1, reach[1])):
+        if length > 0:
+            beyond = sign * length * Left(curve.normals[end])
+            axes.add_patch(Polygon([surface[end], surface[end] + beyond, back[end] + beyond, back[end]], facecolor=RED,
+                                   alpha=0.35, edgecolor="none", gid="beyond"))

@@ -1,0 +1,92 @@
+"""Contact quantities along Gamma_C."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from ..contact import ZONES
+from .canvas import BLUE, GREEN, ORANGE, VERMILION, PlaneAxes
+from .curves import Curves, Left
+
+ZONE_COLOURS = ("#DDDDDD", BLUE, ORANGE)
+GAP = 1.1           # pieces of Gamma_C follow each other in a plot at this multiple of their length
+
+
+def ContactFigure(solution, *, slip=False):
+    """Pressure, friction and penetration along Gamma_C, and its zones, a column for each foundation.
+
+    slip : also draw the tangential displacement u_t [length]
+
+    s is the arc length along Gamma_C in the direction of the tangent (-n_y, n_x), the body on the left; tangential components
+    are positive in this direction.  Markers are the quadrature points.  Raises ProblemError in 3D.
+    """
+    disc, contact = solution.disc, solution.disc.contact
+    PlaneAxes(disc.mesh)
+    tangent = Left(solution.normals)
+    rows = ["p", "t", "u", "r"] if slip else ["p", "t", "r"]
+    figure = Figure(figsize=(max(7, 4.5 * len(contact.parts)), 1 + 1.35 * len(rows)), layout="constrained")
+    grid = figure.subplots(len(rows) + 1, len(contact.parts), sharex="col", squeeze=False,
+                           height_ratios=[1] * len(rows) + [0.15])
+    values = {"p": solution.pressure, "t": np.sum(solution.friction * tangent, axis=1),
+              "u": np.sum(solution.slip * tangent, axis=1), "r": solution.penetration}
+    noise = 1e-12 * (np.abs(solution.traction).max(initial=0) or 1)
+    for column, (foundation, here, _, _) in zip(grid.T, contact.parts):
+        pieces = list(_Along(disc, foundation.boundary, here))
+        panels = dict(zip(rows, column))
+        for s, numbers, _ in pieces:
+            mark = {"marker": "o", "markersize": 3} if len(s) <= 100 else {}
+            for sign in (1, -1):
+                panels["t"].plot(s, sign * solution.bound[numbers], "--", color="#444444", linewidth=1)
+            for name, colour in zip(rows, (BLUE, VERMILION, *["black"] * slip, GREEN)):
+                panels[name].plot(s, values[name][numbers], color=colour, linewidth=1.2, **mark)
+        _DrawZones(column[-1], pieces, solution.zones)
+        for name in "pt":
+            if np.abs(panels[name].get_ylim()).max() < noise:
+                panels[name].set_ylim(-1, 1)
+        _DressContact(column, panels, foundation, pieces)
+    figure.align_ylabels(grid[:-1])
+    handles = [Line2D([], [], linestyle="--", color="#444444", linewidth=1, label="bounds $\\pm p_t$ of friction")]
+    handles += [Patch(color=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    return figure
+
+
+def _Along(disc, region, here):
+    """(s, numbers of the contact points, curve) sorted along each piece of a foundation; pieces follow each other in s."""
+    contact, start = disc.contact, 0.0
+    for curve in Curves(disc, region):
+        s = np.full(len(contact.weights), np.nan)
+        for facet in np.unique(curve.points["nr"]):
+            edge = curve.points["nr"] == facet
+            mine = np.arange(here.start, here.stop)[contact.facets[here] == facet]
+            chord = curve.coordinates[edge][-1] - curve.coordinates[edge][0]
+            s[mine] = np.interp(contact.coordinates[mine] @ chord, curve.coordinates[edge] @ chord, curve.s[edge])
+        numbers = np.argsort(s)[:np.sum(~np.isnan(s))]
+        yield start + s[numbers], numbers, curve
+        start += GAP * curve.s[-1]
+
+
+def _DrawZones(axes, pieces, zones):
+    """A band of colours; each point stands for the stretch up to the middles to its neighbours."""
+    start = 0.0
+    for s, numbers, curve in pieces:
+        ends = np.concatenate([[start], (s[1:] + s[:-1]) / 2, [start + curve.s[-1]]])
+        axes.bar(ends[:-1], 1, np.diff(ends), align="edge", color=[ZONE_COLOURS[zone] for zone in zones[numbers]], linewidth=0)
+        start += GAP * curve.s[-1]
+    axes.set(ylim=(0, 1), yticks=[])
+    axes.set_ylabel("zone", rotation=0, ha="right", va="center")
+
+
+def _DressContact(column, panels, foundation, pieces):
+    labels = {"p": "pressure\n$p_n$ [stress]", "t": "friction along s\n$\\sigma_t$ [stress]",
+              "u": "slip along s\n$u_t$ [length]",
+              "r": "penetration\n$u_n - g$ [length]"}
+    for name, axes in panels.items():
+        axes.axhline(0, color="#999999", linewidth=0.8, zorder=0)
+        axes.set_ylabel(labels[name])
+        axes.margins(x=0)
+        axes.spines[["top", "right"]].set_visible(False)
+    column[0].set_title(f"foundation of {foundation.boundary!r}", fontsize=10)
+    first, last = pieces[0][2].coordinates[0], pieces[-1][2].coordinates[-1]
+    column[-1].set_xlabel(f"s [length], from ({first[0]:.3g}, {first[1]:.3g}) to ({last[0]:.3g}, {last[1]:.3g})")

@@ -1,0 +1,103 @@
+"""Boundary regions of a plane mesh as curves, and outlines of its elements: what the figures are drawn from."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import BND, QUAD, SEGM, TRIG, VOL, ElementId, IntegrationRule, specialcf
+
+from ..facets import REFERENCE_VERTICES, Coordinates
+
+
+@dataclass(frozen=True)
+class Curve:
+    """A connected piece of the outer boundary, passed with the body on its left.
+
+    points : NGSolve mesh points on it;  coordinates, normals : (n, 2), outward;  s : arc length (n,) [length]
+    """
+
+    points: np.ndarray
+    coordinates: np.ndarray
+    normals: np.ndarray
+
+    @property
+    def s(self):
+        return np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(self.coordinates, axis=0), axis=1))])
+
+    @property
+    def closed(self):
+        return np.allclose(self.coordinates[0], self.coordinates[-1], rtol=0, atol=1e-9 * self.s[-1])
+
+    def Spaced(self, distance, *arrays):
+        """Coordinates, normals and further arrays (n, m) at the middles of equal parts of about this length [length]."""
+        s = self.s
+        number = max(round(s[-1] / distance), 1)
+        at = (np.arange(number) + 0.5) * s[-1] / number
+        return [np.stack([np.interp(at, s, column) for column in np.transpose(array)], axis=1)
+                for array in (self.coordinates, self.normals, *arrays)]
+
+
+def Curves(disc, region):
+    """The `Curve`s of a boundary region, curved edges and edges of order > 1 subdivided."""
+    mesh, facets = disc.mesh, disc.facets
+    number = Intervals(disc) + 1
+    rule = IntegrationRule(points=[(t,) for t in np.linspace(0, 1, number)], weights=[1] * number)
+    points = mesh.MapToAllElements({SEGM: rule}, mesh.Boundaries(region)).reshape(-1, number)
+    coordinates = np.asarray(Coordinates(2)(points.ravel())).reshape(-1, number, 2)
+    normals = np.asarray(specialcf.normal(2)(points.ravel())).reshape(-1, number, 2)
+    vertices = mesh.ngmesh.Coordinates()
+    following = {}
+    for edge in zip(points, coordinates, normals):
+        element = mesh[ElementId(BND, int(edge[0]["nr"][0]))]
+        facet = facets.space.GetDofNrs(element)[0]
+        if facets.neighbours[facet] != 1:
+            continue
+        ends = [vertex.nr for vertex in element.vertices][::-1]
+        neighbour = mesh[ElementId(VOL, int(facets.incidence.indices[facets.incidence.indptr[facet]]))]
+        inner = vertices[[vertex.nr for vertex in neighbour.vertices]].mean(axis=0)[:2] - edge[1].mean(axis=0)
+        if inner @ Left(edge[1][-1] - edge[1][0]) < 0:
+            ends, edge = ends[::-1], [array[::-1] for array in edge]
+        # NGSolve's normal on a boundary element follows the element's own orientation, at holes into the body.
+        outward = np.sign(-np.sum(edge[2] * Left(edge[1][-1] - edge[1][0])))
+        following.setdefault(ends[0], []).append((ends[1], (edge[0], edge[1], outward * edge[2])))
+    return [Curve(*map(np.concatenate, zip(*edges))) for edges in _Chains(following)]
+
+
+def _Chains(following):
+    """Edges {start: [(end, edge)]} joined into lists, first those that begin somewhere, then closed ones."""
+    ends = {end for edges in following.values() for end, _ in edges}
+    for vertex in sorted(following, key=lambda start: start in ends):
+        chain = []
+        while following.get(vertex):
+            vertex, edge = following[vertex].pop()
+            chain.append(edge)
+        if chain:
+            yield chain
+
+
+def Left(vectors):
+    return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
+
+
+def Intervals(disc):
+    degree = max(disc.order, disc.mesh.GetCurveOrder())
+    return 1 if degree == 1 else 2 * degree + 2
+
+
+def ElementOutlines(disc):
+    """Mesh points around every element."""
+    number, rules = Intervals(disc), {}
+    for et in (TRIG, QUAD):
+        corners = np.array(REFERENCE_VERTICES[et], float)[:, None]
+        t = np.linspace(0, 1, number, endpoint=False)[:, None]
+        outline = (corners + t * (np.roll(corners, -1, axis=0) - corners)).reshape(-1, 3)
+        rules[et] = IntegrationRule(points=[tuple(point[:2]) for point in outline], weights=[1] * len(outline))
+    return disc.mesh.MapToAllElements(rules, VOL)
+
+
+def SplitByElement(points, values):
+    """Values at mesh points, element by element."""
+    return np.split(values, np.flatnonzero(np.diff(points["nr"])) + 1)
+
+
+def Outline(disc):
+    return np.concatenate([curve.coordinates for curve in Curves(disc, ".*")])

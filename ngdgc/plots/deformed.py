@@ -1,0 +1,44 @@
+"""The deformed mesh over its foundations."""
+
+import numpy as np
+from matplotlib.collections import PolyCollection
+
+from ..coefficients import ValuesAt
+from ..facets import Coordinates
+from .canvas import DrawBlock, Frame, PlaneAxes, Thickness
+from .curves import Curves, ElementOutlines, Left, SplitByElement
+
+
+def DeformedFigure(solution, *, scale=1):
+    """The deformed mesh over the foundations, as figures 2 and 4 of the paper.
+
+    scale : displacement and gap are drawn at `scale` times their values, so that what overlaps is in contact; 1 is real
+
+    Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
+    beyond Gamma_C, as far as the body has slid.  Raises ProblemError in 3D.
+    """
+    disc, contact = solution.disc, solution.disc.contact
+    figure, axes = PlaneAxes(disc.mesh)
+    for foundation, here, _, _ in contact.parts:
+        for curve in Curves(disc, foundation.boundary):
+            mine = np.isin(contact.facets[here], curve.points["nr"])
+            moved = (contact.coordinates + scale * solution.displacement)[here][mine]
+            deepest = scale * solution.penetration[here][mine].max()
+            thickness = max(Thickness(disc, curve), 1.3 * deepest)
+            flush = contact.normals[here][mine] @ curve.normals[[0, -1]].T > 0.8
+            reach = [np.max(sign * (moved - curve.coordinates[end]) @ Left(curve.normals[end]), where=flush[:, end], initial=0)
+                     for end, sign in ((0, -1), (-1, 1))]
+            margin = 0.15 * thickness
+            DrawBlock(axes, curve, scale * ValuesAt(foundation.gap, curve.points, "gap"), thickness,
+                       [length + margin if length > margin and not curve.closed else 0 for length in reach])
+    points = ElementOutlines(disc)
+    u = np.asarray(solution.gfu(points))
+    axes.add_collection(PolyCollection(SplitByElement(points, np.asarray(Coordinates(2)(points)) + scale * u), gid="elements",
+                                       facecolors=(0.85, 0.9, 0.95, 0.6), edgecolors="#222222", linewidths=0.5))
+    for curve in Curves(disc, ".*"):
+        axes.plot(*curve.coordinates.T, "--", color="#555555", linewidth=1)
+    state = "" if solution.converged else ", NOT CONVERGED"
+    magnified = "displacement x 1" if scale == 1 else f"displacement and gap x {scale:g}"
+    axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\n{magnified}, "
+                   f"max |u| = {np.linalg.norm(u, axis=1).max():.3g}{state}", fontsize=10)
+    return Frame(axes)

@@ -1,0 +1,170 @@
+"""The setting of a problem: body, supports, loads and foundations before anything moves."""
+
+import numpy as np
+from matplotlib.collections import LineCollection, PolyCollection
+from ngsolve import VOL
+from scipy.spatial import cKDTree
+
+from ..coefficients import ValuesAt, VectorsAt
+from ..facets import Coordinates, VolumePoints
+from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, PlaneAxes, Thickness
+from .curves import Curves, ElementOutlines, Left, Outline, SplitByElement
+
+ARROW = 0.12        # length of the longest arrow, relative to the body
+
+
+def SettingFigure(disc):
+    """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
+
+    Clamped boundaries are hatched, rollers stand on circles, foundations are red blocks, tractions are arrows of a length
+    proportional to |f_2| that end or begin at the boundary.  Raises ProblemError in 3D.
+    """
+    problem, mesh = disc.problem, disc.mesh
+    figure, axes = PlaneAxes(mesh)
+    _DrawMaterials(axes, disc)
+    for foundation in problem.foundation:
+        for curve in Curves(disc, foundation.boundary):
+            DrawBlock(axes, curve, ValuesAt(foundation.gap, curve.points, "gap"), Thickness(disc, curve))
+    roles = {name: (kind, region) for kind, region in problem.Regions()
+             for name, found in zip(mesh.GetBoundaries(), mesh.Boundaries(region).Mask()) if found}
+    symbols = _Symbols(axes, disc)
+    draw = {"dirichlet": symbols.Clamped, "roller": symbols.Roller, "traction": symbols.Traction,
+            "foundation": symbols.Contact, None: symbols.Free}
+    for name in dict.fromkeys(mesh.GetBoundaries()):
+        kind, region = roles.get(name, (None, None))
+        curves = Curves(disc, _Literal(name))
+        if curves:
+            words, clear = draw[kind](region, curves)
+            symbols.Label(max(curves, key=lambda curve: curve.s[-1]), clear, f"{name}\n{words}")
+    if problem.bodyforce is not None:
+        symbols.BodyForce()
+    return Frame(axes)
+
+
+def _Literal(name):
+    """The regular expression that matches this name only."""
+    return "".join(character if character.isalnum() or character == "_" else f"[{character}]" for character in name)
+
+
+def _Span(symbol, values):
+    """Words for values (n,) or (n, d): the value if it is constant, else the range of its size."""
+    values = np.where(np.abs(values) > 1e-12 * np.abs(values).max(), values, 0)
+    if np.all(np.ptp(values, axis=0) <= 1e-9 * np.abs(values).max()):
+        text = ", ".join(f"{value:.4g}" for value in np.atleast_1d(values[0]))
+        return f"{symbol} = ({text})" if values.ndim == 2 else f"{symbol} = {text}"
+    if values.ndim == 2:
+        symbol, values = f"|{symbol}|", np.linalg.norm(values, axis=1)
+        if np.ptp(values) <= 1e-9 * values.max():
+            return f"{symbol} = {values[0]:.4g}"
+    return f"{symbol} = {values.min():.4g} to {values.max():.4g}"
+
+
+def _Values(at, value, curves, name):
+    return np.concatenate([at(value, curve.points, name) for curve in curves])
+
+
+def _DrawMaterials(axes, disc):
+    """The body, one shade of grey a material."""
+    names = disc.mesh.GetMaterials()
+    points = ElementOutlines(disc)
+    polygons = SplitByElement(points, np.asarray(Coordinates(2)(points)))
+    number = np.array([element.index for element in disc.mesh.Elements(VOL)])
+    shades = np.linspace(0.92, 0.75, len(names))
+    colours = [str(shades[index]) for index in number]
+    axes.add_collection(PolyCollection(polygons, facecolors=colours, edgecolors=colours, linewidths=0.4, gid="elements"))
+    centres = np.array([polygon.mean(axis=0) for polygon in polygons])
+    for index, name in enumerate(names):
+        if len(names) > 1 and np.any(number == index):
+            mine = centres[number == index]
+            axes.text(*mine[cKDTree(Outline(disc)).query(mine)[0].argmax()], name, ha="center", va="center",
+                      fontsize=9, style="italic")
+
+
+class _Symbols:
+    """Draws what is prescribed on boundary curves; a method returns words and the distance [length] it needs outside."""
+
+    def __init__(self, axes, disc):
+        self.axes, self.disc, self.problem = axes, disc, disc.problem
+        self.size = np.ptp(Outline(disc), axis=0).max()
+        largest = max((np.linalg.norm(VectorsAt(value, curve.points, "traction"), axis=1).max()
+                       for region, value in self.problem.traction.items() for curve in Curves(disc, region)), default=0)
+        self.arrow = ARROW * self.size / (largest or 1)     # length of arrow per traction
+
+    def _Line(self, curves, colour, width):
+        for curve in curves:
+            self.axes.plot(*curve.coordinates.T, color=colour, linewidth=width, solid_capstyle="round")
+
+    def Free(self, region, curves):
+        self._Line(curves, "#333333", 1)
+        return "free", 0
+
+    def Clamped(self, region, curves):
+        self._Line(curves, "black", 2)
+        length = 0.03 * self.size
+        for curve in curves:
+            x, n = curve.Spaced(length)
+            self.axes.add_collection(LineCollection(np.stack([x, x + length * (n + Left(n))], axis=1), colors="black",
+                                                    linewidths=0.9))
+        value = _Values(VectorsAt, self.problem.dirichlet[region], curves, "dirichlet")
+        return f"prescribed\n{_Span('u', value)}" if np.any(value) else "clamped", length
+
+    def Roller(self, region, curves):
+        self._Line(curves, GREEN, 2)
+        radius, turn = 0.012 * self.size, np.linspace(0, 2 * np.pi, 25)
+        circle = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        for curve in curves:
+            x, n = curve.Spaced(4 * radius)
+            self.axes.add_collection(PolyCollection((x + 1.5 * radius * n)[:, None] + circle, facecolors="white",
+                                                    edgecolors=GREEN, linewidths=1))
+            self.axes.plot(*(curve.coordinates + 2.8 * radius * curve.normals).T, color=GREEN, linewidth=0.9)
+        value = _Values(ValuesAt, self.problem.roller[region], curves, "roller")
+        return f"roller\n{_Span('$u_n$', value)}" if np.any(value) else "roller", 3 * radius
+
+    def Traction(self, region, curves):
+        self._Line(curves, BLUE, 2)
+        clear = 0.015 * self.size
+        for curve in curves:
+            x, n, f = curve.Spaced(ARROW * self.size, VectorsAt(self.problem.traction[region], curve.points, "traction"))
+            f = self.arrow * f
+            inward = np.sum(f * n, axis=1) < 0
+            self._Arrows(x + 0.015 * self.size * n - np.where(inward[:, None], f, 0), f, BLUE)
+            clear = max(clear, np.abs(np.sum(f * n, axis=1)).max() + 0.015 * self.size)
+        return f"traction\n{_Span('$f_2$', _Values(VectorsAt, self.problem.traction[region], curves, 'traction'))}", clear
+
+    def Contact(self, region, curves):
+        self._Line(curves, "black", 3)
+        foundation = next(foundation for foundation in self.problem.foundation if foundation.boundary == region)
+        curve = max(curves, key=lambda curve: curve.s[-1])
+        x, n, g = curve.Spaced(curve.s[-1] / 7, ValuesAt(foundation.gap, curve.points, "gap")[:, None])
+        if g[1, 0] > 0.035 * self.size:
+            middle = x[1] + g[1, 0] / 2 * n[1]
+            self.axes.annotate("", x[1], x[1] + g[1, 0] * n[1], arrowprops={
+                "arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7, "linewidth": 0.9})
+            self.axes.text(*(middle + 0.025 * self.size * Left(n[1])), "g", ha="center", va="center", fontsize=9)
+        gap = _Values(ValuesAt, foundation.gap, curves, "gap")
+        return f"foundation\n{_Span('g', gap)}", g[len(g) // 2, 0] + Thickness(self.disc, curve)
+
+    def BodyForce(self):
+        values = VectorsAt(self.problem.bodyforce, VolumePoints(self.disc.mesh, self.disc.order), "bodyforce")
+        mean, largest = values.mean(axis=0), np.linalg.norm(values, axis=1).max()
+        corner = self.axes.dataLim.max + [0.08 * self.size, 0]
+        force = ARROW * self.size * mean / (largest or 1)
+        self._Arrows((corner - force / 2)[None], force[None], VERMILION)
+        self.axes.text(*(corner + [0, 0.6 * ARROW * self.size]), f"body force\n{_Span('$f_1$', values)}", color=VERMILION,
+                       fontsize=9, ha="center", va="bottom")
+
+    def _Arrows(self, tails, vectors, colour):
+        self.axes.quiver(*tails.T, *vectors.T, color=colour, angles="xy", scale_units="xy", scale=1, units="inches",
+                         width=0.022, headwidth=4.5, headlength=5, headaxislength=4.5, minlength=0.1, zorder=3)
+        self.axes.update_datalim(np.concatenate([tails, tails + vectors]))
+
+    def Label(self, curve, clear, words):
+        (x,), (n,) = curve.Spaced(curve.s[-1])
+        n = n / np.linalg.norm(n)
+        offsets = curve.coordinates - curve.coordinates.mean(axis=0)
+        if curve.closed and np.sum(offsets * curve.normals) < 0:
+            x, n = curve.coordinates.mean(axis=0), np.zeros(2)      # in the middle of a hole
+        horizontal = "center" if abs(n[0]) < 0.5 else "left" if n[0] > 0 else "right"
+        vertical = "center" if abs(n[1]) < 0.5 else "bottom" if n[1] > 0 else "top"
+        self.axes.text(*(x + (clear + 0.03 * self.size) * n), words, ha=horizontal, va=vertical, fontsize=9, zorder=4,
+                       bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1})

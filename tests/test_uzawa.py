@@ -1,0 +1,222 @@
+"""The Uzawa iteration: it is the paper's, its limit is predicted, its failures are recognised and explained."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.linalg
+from conftest import METHODS, Example
+from ngsolve import CF, GridFunction, IfPos, LinearForm, ds, specialcf, x
+
+from ngdgc import (CoulombFriction, Discretization, EstimateContraction, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, NotConvergedError, SolveInterrupted, TrescaFriction, UzawaSolver)
+from ngdgc.cases import example_4_1, example_4_2
+from ngdgc.exact import AffinePatch
+from ngdgc.meshes import RectangleMesh
+from ngdgc.solvers.driver import Iterate, LawResidual
+
+CASES = {"4.1": example_4_1, "4.2": example_4_2}
+
+
+def Softened(case, stiffness, plane="strain"):
+    """An example with another stiffness of its foundation."""
+    problem = case.Problem(plane)
+    return replace(problem, foundation=replace(problem.foundation[0], compliance=NormalCompliance(stiffness)))
+
+
+@pytest.mark.parametrize("method", METHODS, ids=["ip-auto", "ip-30", "h1"])
+@pytest.mark.parametrize("name", CASES)
+def test_converges_below_its_limit_and_fails_recognised_above(name, method):
+    """0.9, 1.2 and 10 times the stiffness at which the contraction number, measured at the solution, becomes 1."""
+    case, stiffness = CASES[name], {"4.1": 450, "4.2": 250}[name]
+    mesh = case.Mesh(16)
+    solution = UzawaSolver().Solve(Discretization(case.Problem("strain"), method, mesh, order=1))
+    limit = stiffness / EstimateContraction(solution.disc, solution.penetration).normal
+    near = UzawaSolver().Solve(Discretization(Softened(case, 0.9 * limit), method, mesh, order=1))
+    assert near.converged and near.history[-1].change <= 1e-8 and near.history[-1].residual <= 1e-8
+    for factor in (1.2, 10):
+        with pytest.raises(NotConvergedError, match="cannot converge for any rho.*cycle.*Remedy") as failure:
+            UzawaSolver().Solve(Discretization(Softened(case, factor * limit), method, mesh, order=1))
+        error = failure.value
+        assert len(error.history) <= 50
+        assert error.contraction.normal == pytest.approx(factor, rel=0.3) and error.contraction.normal > 1
+        if factor == 1.2:       # bounded, so growth would never have been seen
+            assert np.abs(error.solution.displacement).max() < 5
+
+
+def test_contraction_number_against_the_dense_compliance_operator():
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(3), order=2)
+    contact, n = disc.contact, len(disc.contact.weights)
+
+    def Dense(directions, scale):
+        columns = [contact.Displacement(disc.Response(direction)) for direction in directions]
+        matrix = np.array([[np.einsum("nd,nd,n->", row, column, contact.weights) for column in columns] for row in directions])
+        mass = np.array([[np.einsum("nd,nd,n->", a, b, contact.weights) for b in directions] for a in directions])
+        return scale * scipy.linalg.eigh(matrix, mass, eigvals_only=True)[-1]
+
+    normals = [contact.normals * (np.arange(n) == i)[:, None] for i in range(n)]
+    tangents = [vector[:, ::-1] * [1, -1] for vector in normals]
+    estimate = EstimateContraction(disc, np.full(n, 0.1), step=7.0)
+    assert estimate.normal == pytest.approx(Dense(normals, 450), rel=0.01)
+    assert estimate.friction == pytest.approx(Dense(tangents, 3.5), rel=0.01)
+    # The active zone: half of the points out of contact.
+    half = EstimateContraction(disc, np.where(contact.coordinates[:, 0] < 0.5, 0.1, -0.1)).normal
+    active = [vector for vector, point in zip(normals, contact.coordinates) if point[0] < 0.5]
+    assert half == pytest.approx(Dense(active, 450), rel=0.01) and half != pytest.approx(estimate.normal, rel=0.01)
+
+
+def test_local_stiffness_of_other_exponents():
+    """p_n' = 2 k r: at penetration r a quadratic law contracts like a linear one of stiffness 2 k r."""
+    linear = Discretization(Example(500.0), InteriorPenalty(), RectangleMesh(3), order=1)
+    foundation = Foundation("bottom", NormalCompliance(500.0, 2), friction=TrescaFriction(1), gap=0.05)
+    quadratic = Discretization(Example(foundation=foundation), InteriorPenalty(), RectangleMesh(3), order=1)
+    r = np.full(len(linear.contact.weights), 0.25)
+    assert EstimateContraction(quadratic, r).normal == pytest.approx(EstimateContraction(linear, r).normal / 2, rel=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS[::2], ids=["ip", "h1"])
+def test_iterates_are_those_of_the_paper(method):
+    """(4.3)-(4.8) written again in NGSolve symbolics, multiplier at the points by hand, for five steps."""
+    rho, kn, kt, gap = 0.02, 450.0, 40.0, 0.05      # lambda stays inside the ball for some steps
+    disc = Discretization(Example(kn, friction=kt), method, RectangleMesh(4, lower=(0, 0.05), upper=(1, 1.05)), order=1)
+    iterates = []
+    with pytest.raises(NotConvergedError):
+        UzawaSolver(rho=rho, tol=1e-14, maxiter=5).Solve(disc, callback=iterates.append)
+    gfu, v, n = GridFunction(disc.space), disc.space.TestFunction(), specialcf.normal(2)
+    bottom = ds(skeleton=True, definedon=disc.mesh.Boundaries("bottom"), bonus_intorder=1)
+    gfu.vec.FV().NumPy()[:] = free = disc.FreeSolution()
+    multiplier = np.zeros(len(disc.contact.weights))
+    # The multiplier as a function of x, linear between the two Gauss points of each facet, which is exact there.
+    for _ in range(5):
+        multiplier = np.clip(multiplier + rho * kt * np.asarray(gfu[0](disc.contact.inside)).ravel(), -1, 1)
+        interpolated = _FacetwiseLinear(disc, multiplier)
+        normal = LinearForm(kn * IfPos(gfu * n - gap, gfu * n - gap, 0) * (v * n) * bottom).Assemble()
+        tangential = LinearForm(kt * interpolated * v[0] * bottom).Assemble()
+        gfu.vec.FV().NumPy()[:] = free - disc.Solve(normal.vec.FV().NumPy() + tangential.vec.FV().NumPy())
+    ours = disc.contact.Displacement(_Last(disc, rho))
+    assert ours == pytest.approx(np.asarray(gfu(disc.contact.inside)), abs=1e-12)
+    assert ours != pytest.approx(np.asarray(disc.contact.Displacement(_Last(disc, 0.9 * rho))), abs=1e-6)
+
+
+def _FacetwiseLinear(disc, values):
+    order = np.argsort(disc.contact.coordinates[:, 0])
+    s, values = disc.contact.coordinates[order, 0], values[order]
+    pieces = 0
+    for cell in range(4):
+        (a, b), (va, vb) = s[2 * cell:2 * cell + 2], values[2 * cell:2 * cell + 2]
+        inside = IfPos(x - cell / 4, 1, 0) * IfPos((cell + 1) / 4 - x, 1, 0)
+        pieces += inside * (va + (vb - va) * (x - a) / (b - a))
+    return pieces
+
+
+def _Last(disc, rho):
+    with pytest.raises(NotConvergedError) as failure:
+        UzawaSolver(rho=rho, tol=1e-14, maxiter=5).Solve(disc)
+    return failure.value.solution.vector
+
+
+def test_automatic_rho_equals_no_slower_than_the_paper_could_choose():
+    """Example 4.1 took 109 iterations with rho = 1 and 40 with rho = 300 (paper.md, section 8)."""
+    disc = Discretization(example_4_1.Problem("strain"), METHODS[2], example_4_1.Mesh(16), order=2)
+    counts = {rho: len(UzawaSolver(rho=rho, tol=1e-9).Solve(disc).history) for rho in (1.0, 300.0, "auto")}
+    assert counts["auto"] <= min(counts.values()) + 2 and counts[1.0] > 2 * counts["auto"]
+
+
+@pytest.mark.parametrize("zone", ["slip", "stick"])
+def test_automatic_rho_does_not_depend_on_the_units(zone):
+    """The same patch with all stresses in another unit takes the same number of iterations."""
+    counts = []
+    for unit in (1.0, 1e6):
+        exact = AffinePatch(zone, material=HookeMaterial(mu=1000 * unit, lam=1500 * unit), stiffness=100 * unit, bound=3 * unit)
+        solution = UzawaSolver().Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(2), order=1))
+        counts.append(len(solution.history))
+    assert abs(counts[0] - counts[1]) <= 1
+
+
+def test_too_large_rho_is_named_with_a_remedy_that_works():
+    # Stick everywhere, so that the multiplier is inside the ball and the step matters.
+    problem = AffinePatch("stick").problem
+    disc = Discretization(problem, InteriorPenalty(), RectangleMesh(2), order=1)
+    unit = EstimateContraction(disc, np.ones(len(disc.contact.weights)), step=9.0)     # p_t^2, rho = 1
+    limit = (1 - unit.normal) / unit.friction
+    with pytest.raises(NotConvergedError, match="rho=.* is too large.*Remedy") as failure:
+        UzawaSolver(rho=2 * limit).Solve(disc)
+    assert len(failure.value.history) <= 50 and failure.value.contraction.friction > 1
+    assert UzawaSolver(rho=0.8 * limit).Solve(disc).converged
+
+
+def test_small_rho_does_not_stop_early():
+    """u hardly moves while lambda crawls: the law residual keeps the iteration going until it is true."""
+    exact = AffinePatch("slip", bound=1.0)
+    disc = Discretization(exact.problem, InteriorPenalty(), RectangleMesh(2), order=1)
+    auto = UzawaSolver(tol=1e-6).Solve(disc)
+    slow = UzawaSolver(tol=1e-6, rho=0.05).Solve(disc)
+    assert len(slow.history) > 5 * len(auto.history)
+    assert slow.displacement == pytest.approx(auto.displacement, rel=1e-4)
+
+
+def test_two_step_limit_raises_with_everything_in_the_error():
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(4), order=1)
+    with pytest.raises(NotConvergedError, match="too slowly.*after 2 iterations") as failure:
+        UzawaSolver(maxiter=2).Solve(disc)
+    error = failure.value
+    assert [step.number for step in error.history] == [1, 2] and not error.solution.converged
+    assert error.contraction.normal == pytest.approx(0.54, abs=0.03)
+    assert "NOT CONVERGED" in error.solution.Report()
+
+
+def test_tolerance_below_roundoff_is_recognised():
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(8), order=3)
+    with pytest.raises(NotConvergedError, match="below what round-off allows") as failure:
+        UzawaSolver(tol=1e-17).Solve(disc)
+    assert len(failure.value.history) < 200
+
+
+def test_interrupt_keeps_the_last_iterate():
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(4), order=1)
+
+    def Interrupt(step):
+        if step.number == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(SolveInterrupted) as stop:
+        UzawaSolver().Solve(disc, callback=Interrupt)
+    assert len(stop.value.solution.history) == 3 and stop.value.solution.energy > 0
+
+
+def test_law_residual_vanishes_on_the_graph_and_only_there():
+    disc = Discretization(Example(100.0, friction=2.0), InteriorPenalty(), RectangleMesh(1), order=2)
+    contact = disc.contact      # n = (0, -1), gap 0.05; points: open, stick, slip
+    u = np.array([[0.0, 0.01], [0.0, -0.25], [0.3, -0.25]])
+    t = np.array([[0.0, 0.0], [1.5, -20.0], [2.0, -20.0]])
+    assert LawResidual(contact, Iterate(None, t, u)) < 1e-15
+    for wrong in ([[0, 0], [1.5, -20], [-2, -20]], [[0, 0], [1.5, -19], [2, -20]], [[0, -1], [1.5, -20], [2, -20]]):
+        assert LawResidual(contact, Iterate(None, np.array(wrong, float), u)) > 1e-3
+    creeping = u + [[0, 0], [0.1, 0], [0, 0]]       # slips although friction is below its bound
+    assert LawResidual(contact, Iterate(None, t, creeping)) > 0.1
+
+
+def test_no_contact_needs_one_step_and_no_friction_law_is_frictionless():
+    far = Foundation("bottom", NormalCompliance(450), gap=5.0)
+    solution = UzawaSolver().Solve(Discretization(Example(foundation=far), InteriorPenalty(), RectangleMesh(4), order=1))
+    assert len(solution.history) == 1 and not np.any(solution.traction)
+    near = Foundation("bottom", NormalCompliance(450), gap=0.05)
+    solution = UzawaSolver().Solve(Discretization(Example(foundation=near), InteriorPenalty(), RectangleMesh(4), order=1))
+    assert not np.any(solution.friction) and solution.normalforce > 1 and solution.ZoneLengths()["stick"] == 0
+
+
+def test_lagged_coulomb_bound_satisfies_the_law_at_the_end():
+    foundation = Foundation("bottom", NormalCompliance(300), friction=CoulombFriction(0.4), gap=0.05)
+    solution = UzawaSolver(tol=1e-10).Solve(Discretization(Example(foundation=foundation), InteriorPenalty(), RectangleMesh(8),
+                                                           order=1))
+    assert solution.bound == pytest.approx(0.4 * solution.pressure, abs=1e-6)
+    friction = np.linalg.norm(solution.friction, axis=1)
+    assert np.all(friction <= solution.bound + 1e-6)
+    slip = solution.zones == 2
+    assert np.any(slip) and friction[slip] == pytest.approx(solution.bound[slip], rel=1e-6)
+
+
+def test_unloaded_body_stays_at_rest(method):
+    problem = Example(traction={"left": CF((0, 0))})
+    solution = UzawaSolver().Solve(Discretization(problem, method, RectangleMesh(3), order=1))
+    assert np.abs(solution.vector).max() == 0 and solution.converged and solution.energy == 0

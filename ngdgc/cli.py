@@ -3,6 +3,7 @@
 import argparse
 import importlib.util
 import inspect
+import math
 import sys
 from pathlib import Path
 
@@ -68,9 +69,9 @@ def _AddRun(commands):
     run.add_argument("--plane", help="stress or strain (default: the case's own)")
     run.add_argument("--cells", help="triangle, triangle-flipped or quad (default: the case's own)")
     run.add_argument("--rho", default="auto", type=_NumberOrAuto, help="step of Uzawa's friction update: auto or a number")
-    run.add_argument("--tol", type=float, default=1e-8, help="relative tolerance of the iteration (default 1e-8)")
+    run.add_argument("--tol", type=_Finite, default=1e-8, help="relative tolerance of the iteration (default 1e-8)")
     run.add_argument("--maxiter", type=_Positive, default=10000, help="limit of iterations (default 10000)")
-    run.add_argument("--scale", type=float, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
+    run.add_argument("--scale", type=_Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
     run.set_defaults(command=Run)
 
@@ -85,13 +86,18 @@ def _Positive(text):
     return value
 
 
-def _NumberOrAuto(text):
-    if text == "auto":
-        return text
+def _Finite(text):
     try:
-        return float(text)
+        value = float(text)
     except ValueError:
-        raise argparse.ArgumentTypeError(f"{text!r} is neither a number nor auto") from None
+        value = math.nan
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
+    return value
+
+
+def _NumberOrAuto(text):
+    return text if text == "auto" else _Finite(text)
 
 
 def CaseFiles():

@@ -113,7 +113,7 @@ def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1):
 
 
 def CubicCompliance(*, E=12000.0, nu=0.42, alpha=0.05, friction: FrictionLaw | None = None):
-    """B5: u = alpha (2xy + x y^2, -x^2 (1 + y)) on (0,2) x (0,1), after an example of conmech (github.com/KOS-UJ/conmech).
+    """B5: u = alpha (2xy + x y^2, -x^2 (1 + y)) on (0,2) x (0,1), after an example of the program conmech.
 
     u = 0 on x = 0, u_t = 0 and sigma_t = 0 on the contact side, p_n(r) = (lam + 2 mu) r with gap 0: a solution for any
     friction law, and exact for orders of at least 3.  The foundation is too stiff for an explicit iteration.

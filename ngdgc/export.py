@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import numpy as np
-from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Trace, VTKOutput, sqrt
+from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, VTKOutput, sqrt
 from ngsolve.webgui import Draw
 
 from .elasticity import HookeMaterial
@@ -27,12 +27,14 @@ def WriteHTML(solution, path, *, scale=1):
     disc = solution.disc
     if disc.mesh.dim == 3:
         # On the boundary NGSolve evaluates a discontinuous function to garbage unless it is asked for its volume trace.
-        field, view = BoundaryFromVolumeCF(solution.gfu), {"draw_vol": False, "euler_angles": [-70, 0, -25]}
+        displacement, view = BoundaryFromVolumeCF(solution.gfu), {"draw_vol": False, "euler_angles": [-70, 0, -25]}
     else:
-        field, view = CF(solution.gfu), {}
+        displacement, view = CF(solution.gfu), {}
+    # The norm as a scalar: of a vector the viewer would take the range of its first component for the colours.
     # The outline of the body would be displaced by such boundary values; the lines of the mesh are right.
-    scene = Draw(field, disc.mesh, "u", deformation=True, scale=scale, order=max(disc.order, disc.mesh.GetCurveOrder()),
-                 show=False, settings={"Objects": {"Edges": False}, "Light": LIGHT}, **_Camera(solution, scale), **view)
+    settings = {"Objects": {"Edges": False}, "Light": LIGHT}
+    scene = Draw(Norm(displacement), disc.mesh, "|u|", deformation=displacement, scale=scale, settings=settings, show=False,
+                 order=max(disc.order, disc.mesh.GetCurveOrder()), **_Camera(solution, scale), **view)
     caption = (f"Displacement |u| [length], deformation drawn x {scale:g} "
                f"({disc.method.name}, order {disc.order}, {disc.mesh.ne} elements)")
     head, end, tail = GenerateHTML(scene.GetData()).replace("NGSolve WebGUI", "ngdgc: displacement", 1).rpartition("</body>")

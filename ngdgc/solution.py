@@ -1,13 +1,34 @@
 """What a solver returns: fields, contact quantities, resultants, history."""
 
+from dataclasses import asdict, astuple, dataclass, fields
 from functools import cached_property
 
 import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
+from . import methods, storage
 from .contact import ZONES
+from .discretization import Discretization
 from .elasticity import Strain
+from .exceptions import ProblemError
+from .report import Report, Summary
 from .resultants import ElementImbalance, GlobalImbalance, Resultants
+
+
+@dataclass(frozen=True)
+class Step:
+    """What is recorded of an iteration.
+
+    change : |u^i - u^(i-1)| / |u^i|, maximum norm over the quadrature points of Gamma_C, no unit
+    residual : distance of (u^i, t^i) to the graph of the law, no unit (`solvers.driver.LawResidual`)
+    solves : applications of A^-1 so far;  seconds : since the start
+    """
+
+    number: int
+    change: float
+    residual: float
+    solves: int
+    seconds: float
 
 
 class ContactSolution:
@@ -132,25 +153,34 @@ class ContactSolution:
 
     def Report(self):
         """A page of text: what was solved, how the iteration went, what happens on Gamma_C, forces and balance."""
-        from .report import Report
-
         return Report(self)
 
     def ToJSON(self):
         """The numbers of the report as a dictionary of plain types, for json.dump."""
-        from .report import Summary
-
         return Summary(self)
 
     def Save(self, folder):
-        """Write mesh, coefficients and summary (vol.gz, npz, json) into `folder`; no pickle."""
-        from .storage import Save
-
-        Save(self, folder)
+        """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle)."""
+        method = self.disc.method
+        arrays = {"vector": self.vector, "traction": self.traction, "points": self.points,
+                  "history": np.array([astuple(step) for step in self.history]).reshape(-1, len(fields(Step)))}
+        description = {"method": type(method).__name__, "arguments": asdict(method), "order": self.disc.order,
+                       "converged": self.converged, "solver": self.solver, "summary": self.ToJSON()}
+        storage.Write(folder, self.disc.mesh, arrays, description)
 
     @classmethod
     def Load(cls, folder, problem):
-        """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again."""
-        from .storage import Load
+        """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again.
 
-        return Load(folder, problem)
+        Raises ProblemError if the folder holds no solution, or one whose contact points are not those of the problem.
+        """
+        mesh, arrays, description = storage.Read(folder)
+        method = getattr(methods, description["method"])(**description["arguments"])
+        disc = Discretization(problem, method, mesh, order=description["order"])
+        points = disc.contact.coordinates
+        if arrays["points"].shape != points.shape or not np.allclose(arrays["points"], points):
+            raise ProblemError(f"the solution in {folder} was computed with another problem: its contact points are not those "
+                               "of this one")
+        history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
+        return cls(disc, arrays["vector"], arrays["traction"], history=history, converged=description["converged"],
+                   solver=description["solver"])

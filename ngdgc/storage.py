@@ -1,4 +1,4 @@
-"""A solution on disk: mesh.vol.gz, fields.npz and solution.json in one folder; no pickle."""
+"""A folder on disk with a mesh, arrays and a description: mesh.vol.gz, fields.npz and solution.json; no pickle."""
 
 import json
 from pathlib import Path
@@ -6,52 +6,33 @@ from pathlib import Path
 import numpy as np
 from ngsolve import Mesh
 
-from . import methods
-from .discretization import Discretization
 from .exceptions import ProblemError
-from .solution import ContactSolution
-from .solvers.driver import Step
 
 FORMAT = 1
-FIELDS = ("number", "change", "residual", "solves", "seconds")
 
 
-def Save(solution, folder):
-    """Write a ContactSolution into `folder`, which is created."""
-    folder, disc = Path(folder), solution.disc
+def Write(folder, mesh, arrays, description):
+    """Write mesh, {name: array} and a JSON-serialisable dictionary into `folder`, which is created."""
+    folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
-    disc.mesh.ngmesh.Save(str(folder / "mesh.vol.gz"))
-    history = np.array([[getattr(step, field) for field in FIELDS] for step in solution.history]).reshape(-1, len(FIELDS))
-    np.savez_compressed(folder / "fields.npz", vector=solution.vector, traction=solution.traction, history=history,
-                        points=solution.points)
-    description = {"format": FORMAT, "method": type(disc.method).__name__,
-                   "arguments": {"penalty": disc.method.penalty} if disc.method.discontinuous else {},
-                   "order": disc.order, "curveorder": disc.mesh.GetCurveOrder(), "converged": solution.converged,
-                   "solver": solution.solver, "summary": solution.ToJSON()}
-    (folder / "solution.json").write_text(json.dumps(description, indent=2) + "\n", encoding="utf-8")
+    mesh.ngmesh.Save(str(folder / "mesh.vol.gz"))
+    np.savez_compressed(folder / "fields.npz", **arrays)
+    text = json.dumps({"format": FORMAT, **description}, indent=2)
+    (folder / "solution.json").write_text(text + "\n", encoding="utf-8")
 
 
-def Load(folder, problem):
-    """The ContactSolution in `folder`, for the ContactProblem it was computed with.
-
-    Raises ProblemError if the folder holds no solution, or one that does not fit the problem.
-    """
+def Read(folder):
+    """(mesh, {name: array}, dictionary) from a folder; ProblemError if it does not hold them."""
     folder = Path(folder)
     try:
         description = json.loads((folder / "solution.json").read_text(encoding="utf-8"))
         with np.load(folder / "fields.npz", allow_pickle=False) as fields:
-            vector, traction, history, points = (fields[name] for name in ("vector", "traction", "history", "points"))
+            arrays = dict(fields)
+        if not (folder / "mesh.vol.gz").is_file():
+            raise FileNotFoundError("mesh.vol.gz is missing")
         mesh = Mesh(str(folder / "mesh.vol.gz"))
-    except (OSError, ValueError, KeyError) as error:
+    except (OSError, ValueError) as error:
         raise ProblemError(f"{folder} holds no saved solution: {error}") from error
-    if description["format"] != FORMAT:
-        raise ProblemError(f"{folder} has format {description['format']}, this version reads {FORMAT}")
-    method = getattr(methods, description["method"])(**description["arguments"])
-    disc = Discretization(problem, method, mesh, order=description["order"])
-    if len(vector) != disc.space.ndof or points.shape != disc.contact.coordinates.shape \
-            or not np.allclose(points, disc.contact.coordinates):
-        raise ProblemError(f"the solution in {folder} was computed with another problem: its contact points are not those of "
-                           "this one")
-    steps = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in history.tolist()]
-    return ContactSolution(disc, vector, traction, history=steps, converged=description["converged"],
-                           solver=description["solver"])
+    if description.get("format") != FORMAT:
+        raise ProblemError(f"{folder} has format {description.get('format')}, this version reads {FORMAT}")
+    return mesh, arrays, description

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.colors import to_rgba
 from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, Mesh, x
+from ngsolve import TRIG, VOL, CF, IntegrationRule, Mesh, x
 from ngsolve.webgui import Draw
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
@@ -19,6 +19,7 @@ from ngdgc.export import WriteHTML, WriteVTK
 from ngdgc.plots import ZONE_COLOURS, ContactFigure, DeformedFigure, HistoryFigure, SettingFigure
 
 ROUNDOFF = 1e-12    # coordinates and displacements are of size 1
+CORNERS = {TRIG: IntegrationRule(points=[(1, 0), (0, 1), (0, 0)], weights=[0, 0, 0])}
 
 
 @pytest.fixture(scope="module")
@@ -224,3 +225,12 @@ def test_every_setting_and_solution_can_be_drawn(tmp_path):
     for figure in (ContactFigure(solution, slip=True), DeformedFigure(solution), HistoryFigure(solution)):
         figure.savefig(tmp_path / "figure.png")
     assert len(ContactFigure(solution).axes) == 2 * 4
+
+
+def test_colours_of_the_page_span_the_displacement(ip, tmp_path):
+    """The viewer's range is that of |u|, not of one component."""
+    page = WriteHTML(ip, tmp_path / "u.html").read_text(encoding="utf-8")
+    top = float(re.search(r'"funcmax": ([-+.e0-9]+)', page).group(1))
+    corners = np.asarray(ip.gfu(ip.disc.mesh.MapToAllElements(CORNERS, VOL)))
+    assert top == pytest.approx(np.linalg.norm(corners, axis=1).max(), rel=1e-6)
+    assert top > 1.01 * np.abs(corners).max()

@@ -116,7 +116,7 @@ def _Last(disc, rho):
 
 
 def test_automatic_rho_equals_no_slower_than_the_paper_could_choose():
-    """Example 4.1 took 109 iterations with rho = 1 and 40 with rho = 300 (paper.md, section 8)."""
+    """Example 4.1: about 109 iterations with rho = 1 and 40 with rho = 300."""
     disc = Discretization(example_4_1.Problem("strain"), METHODS[2], example_4_1.Mesh(16), order=2)
     counts = {rho: len(UzawaSolver(rho=rho, tol=1e-9).Solve(disc).history) for rho in (1.0, 300.0, "auto")}
     assert counts["auto"] <= min(counts.values()) + 2 and counts[1.0] > 2 * counts["auto"]

@@ -142,7 +142,7 @@ def test_arguments_of_the_wrong_kind(arguments, culprit):
 
 
 def test_penalty_that_loses_coercivity_is_detected_not_assumed():
-    """P1 with lam/mu = 4: the threshold lies near 21.5 (paper.md); nearly incompressible, the paper's 30 is lost."""
+    """P1 with lam/mu = 4: the threshold lies near 21.5; nearly incompressible, the paper's 30 is lost."""
     mesh = RectangleMesh(4)
     for penalty, nu, safe in ((30, 0.4, True), (18, 0.4, False), (5, 0.4, False), (30, 0.495, False), (1500, 0.495, True)):
         problem = Example(material=HookeMaterial(E=2000, nu=nu))

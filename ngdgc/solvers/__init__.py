@@ -1,5 +1,4 @@
 """Iterations for the contact problem: one driver, one module per iteration."""
 
 from .contraction import Contraction, EstimateContraction
-from .driver import Step
 from .uzawa import UzawaSolver

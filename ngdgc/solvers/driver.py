@@ -7,7 +7,7 @@ import numpy as np
 
 from ..contact import Scale
 from ..exceptions import NotConvergedError, SolveInterrupted
-from ..solution import ContactSolution
+from ..solution import ContactSolution, Step
 
 WINDOW = 10         # iterations over which progress is judged
 NOPROGRESS = 0.97   # the largest change of a window against the window before: 0.997 per iteration
@@ -21,22 +21,6 @@ class Iterate:
     vector: np.ndarray
     traction: np.ndarray
     displacement: np.ndarray
-
-
-@dataclass(frozen=True)
-class Step:
-    """What is recorded of an iteration.
-
-    change : |u^i - u^(i-1)| / |u^i|, maximum norm over the quadrature points of Gamma_C, no unit
-    residual : distance of (u^i, t^i) to the graph of the law, no unit (`LawResidual`)
-    solves : applications of A^-1 so far;  seconds : since the start
-    """
-
-    number: int
-    change: float
-    residual: float
-    solves: int
-    seconds: float
 
 
 def LawResidual(contact, iterate):

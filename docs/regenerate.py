@@ -1,0 +1,79 @@
+"""Write everything in the documentation that is computed: `python docs/regenerate.py`, about three minutes.
+
+images/*.png, examples.md and table3.md; nothing in them is typed by hand.
+"""
+
+from dataclasses import replace
+from itertools import product
+from pathlib import Path
+
+from ngdgc import (Conforming, Discretization, EstimateContraction, InteriorPenalty, NormalCompliance, NotConvergedError,
+                   UzawaSolver, table3)
+from ngdgc.cases import example_4_1, example_4_2
+from ngdgc.plots import ContactFigure, DeformedFigure, SettingFigure
+
+DOCS = Path(__file__).parent
+EXAMPLES = {"4.1": (example_4_1, (0, 0.05)), "4.2": (example_4_2, (0, 0))}
+METHODS = {"IP, penalty='auto'": InteriorPenalty(), "IP, penalty=30": InteriorPenalty(penalty=30), "H1": Conforming()}
+
+
+def Images():
+    (DOCS / "images").mkdir(exist_ok=True)
+    for name, (case, _) in EXAMPLES.items():
+        solution = case.Main(n=16)
+        for kind, figure in (("setting", SettingFigure(solution.disc)), ("deformed", DeformedFigure(solution)),
+                             ("contact", ContactFigure(solution))):
+            figure.savefig(DOCS / "images" / f"example_{name.replace('.', '_')}_{kind}.png", dpi=110)
+
+
+def Values(name):
+    """Rows (method, plane, order, energy, int p_n, corner, iterations, contraction number) of an example at n = 32."""
+    case, corner = EXAMPLES[name]
+    reference = case.Main(method=Conforming(), order=4, n=64, plane="strain"), case.Main(method=Conforming(), order=4, n=64)
+    for plane, solution in zip(("strain", "stress"), reference):
+        yield "H1, n = 64", plane, solution, corner
+    for (label, method), plane, order in product(METHODS.items(), ("strain", "stress"), (1, 3)):
+        yield label, plane, case.Main(method=method, order=order, n=32, plane=plane), corner
+
+
+def Limit(name):
+    """Rows (factor, outcome) for multiples of the stiffness at which the contraction number is 1."""
+    case, _ = EXAMPLES[name]
+    problem = case.Problem("strain")
+    foundation = problem.foundation[0]
+    solution = case.Main(plane="strain")
+    limit = foundation.compliance.stiffness / EstimateContraction(solution.disc, solution.penetration).normal
+    yield "limit", f"k_n = {limit:.0f}"
+
+    for factor in (0.5, 0.9, 1.2, 10):
+        stiffer = replace(problem, foundation=replace(foundation, compliance=NormalCompliance(factor * limit)))
+        try:
+            steps = len(UzawaSolver().Solve(Discretization(stiffer, InteriorPenalty(), case.Mesh(16), order=1)).history)
+            yield f"{factor} x", f"converged, {steps} iterations"
+        except NotConvergedError as error:
+            yield f"{factor} x", f"recognised as cycling after {len(error.history)} iterations"
+
+
+def ExamplesPage():
+    lines = ["# The two examples of the paper", "", "Written by `python docs/regenerate.py`.", ""]
+    for name in EXAMPLES:
+        stem = f"images/example_{name.replace('.', '_')}"
+        lines += [f"## Example {name}", "", f"![setting]({stem}_setting.png)", "", f"![deformed]({stem}_deformed.png)", "",
+                  f"![contact]({stem}_contact.png)", "",
+                  "Mesh 1/32, diagonals `/`; the first two rows are the reference, H1 of order 4 on the mesh 1/64.", "",
+                  "| method | plane | order | elastic energy | int p_n | corner displacement | iterations | abs(p_n' S_nn) |",
+                  "|---|---|---|---|---|---|---|---|"]
+        for label, plane, solution, corner in Values(name):
+            number = EstimateContraction(solution.disc, solution.penetration).normal
+            u = solution.At(*corner)
+            lines.append(f"| {label} | {plane} | {solution.disc.order} | {solution.energy:.3f} | {solution.normalforce:.4f} | "
+                         f"({u[0]:.4f}, {u[1]:.4f}) | {len(solution.history)} | {number:.3f} |")
+        lines += ["", "Where the explicit iteration ends (plane strain, IP, mesh 1/16):", "", "| k_n | outcome |", "|---|---|",
+                  *(f"| {factor} | {outcome} |" for factor, outcome in Limit(name)), ""]
+    return "\n".join(lines)
+
+
+if __name__ == "__main__":
+    Images()
+    (DOCS / "examples.md").write_text(ExamplesPage(), encoding="utf-8")
+    (DOCS / "table3.md").write_text(table3.Page(table3.Study()), encoding="utf-8")

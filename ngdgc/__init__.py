@@ -11,3 +11,9 @@ from .solution import ContactSolution
 from .solvers import Contraction, EstimateContraction, UzawaSolver
 
 __version__ = "0.1.0"
+
+# What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for.
+__all__ = ["AnisotropicMaterial", "ComplianceLaw", "Conforming", "ContactProblem", "ContactSolution", "Contraction",
+           "CoulombFriction", "Discretization", "EstimateContraction", "Foundation", "FrictionLaw", "HookeMaterial",
+           "InteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction", "ProblemError", "SolveInterrupted",
+           "TrescaFriction", "UzawaSolver"]

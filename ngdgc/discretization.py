@@ -3,14 +3,14 @@
 from functools import cached_property
 
 import numpy as np
-from ngsolve import BilinearForm, GridFunction, InnerProduct, LinearForm, TaskManager, ds, dx
+from ngsolve import GridFunction, TaskManager, ds, dx
 
 from .coefficients import Unfolded
 from .contact import ContactBoundary
-from .elasticity import Strain
 from .exceptions import ProblemError
 from .facets import Facets
 from .problem import ContactProblem
+from .skeleton import Coefficients
 from .stability import CheckCoercivity
 from .validation import CheckProblem, UnresistedMotion
 
@@ -32,15 +32,15 @@ class Discretization:
 
     Attributes
     ----------
-    space : the NGSolve space V_h;  form : BilinearForm of A;  load : coefficients of f, (ndof,)
-    contact : ContactBoundary;  facetsets : the parts of E0 with their numerical fluxes
+    space : the NGSolve space V_h;  matrix : NGSolve's matrix A;  load : coefficients of f, (ndof,)
+    form : B_h with its numerical fluxes;  contact : ContactBoundary
     solves : how often the inverse was applied
     """
 
     def __init__(self, problem, method, mesh, *, order=1):
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
-        if not hasattr(method, "FacetSets"):
+        if not hasattr(method, "Form"):
             raise ProblemError(f"method is {method!r}; give InteriorPenalty() or Conforming()")
         if isinstance(order, bool) or not isinstance(order, (int, np.integer)) or order < 1:
             raise ProblemError(f"order is {order!r}; it must be an integer of at least 1, "
@@ -58,65 +58,33 @@ class Discretization:
                 f"{self.space.ndof} dofs, {len(self.contact.weights)} contact points)")
 
     @cached_property
-    def facetsets(self):
-        return self.method.FacetSets(self.problem, self.facets, self.order)
+    def form(self):
+        """B_h of the method, before assembly."""
+        return self.method.Form(self.problem, self.facets, self.space, self.order)
 
     @cached_property
-    def form(self):
-        """B_h, checked for coercivity."""
-        u, v = self.space.TnT()
-        form = self._Energy()
-        # One integral a term: NGSolve takes four times as long for their sum in one integral.
-        for part in self.facetsets:
-            form += -part.Jump(v) * part.Mean(u) * part.measure
-            form += -part.Jump(u) * part.Mean(v) * part.measure
-        self._AddPenalty(form)
+    def matrix(self):
+        """NGSolve's matrix A of B_h, checked for coercivity."""
         with TaskManager():
-            form.Assemble()
-            CheckCoercivity(self.method, self.facetsets, form, self._Norm, self.space.FreeDofs())
-        return form
-
-    def _Energy(self):
-        u, v = self.space.TnT()
-        material = self.problem.material
-        form = BilinearForm(self.space)
-        form += InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=material.bonus)
-        return form
-
-    def _AddPenalty(self, form):
-        u, v = self.space.TnT()
-        for part in self.facetsets:
-            form += part.Penalty(part.Jump(u)) * part.Jump(v) * part.measure
-
-    def _Norm(self):
-        form = self._Energy()
-        self._AddPenalty(form)
-        return form.Assemble()
+            matrix = self.form.Matrix()
+            CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs())
+        return matrix
 
     @cached_property
     def loads(self):
         """Coefficients of the loads, {(kind, region): (ndof,)}: body force, tractions, weakly prescribed displacements."""
         v, problem = self.space.TestFunction(), self.problem
-        integrals = {}
+        loads = {}
         if problem.bodyforce is not None:
-            integrals["bodyforce", None] = Unfolded(problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS)
+            loads["bodyforce", None] = Coefficients(Unfolded(problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
         for region, value in problem.traction.items():
-            integrals["traction", region] = Unfolded(value) * v * ds(
-                skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-        for part in self.facetsets:
-            if part.value is not None:
-                integrals["prescribed", part.region] = (part.Penalty(part.value) * part.Jump(v) * part.measure
-                                                        - part.value * part.Mean(v) * part.measure)
-        with TaskManager():
-            return {key: self.Integrate(integral) for key, integral in integrals.items()}
+            measure = ds(skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
+            loads["traction", region] = Coefficients(Unfolded(value) * v * measure)
+        return loads | {("prescribed", region): load for region, load in self.form.Prescribed().items()}
 
     @property
     def load(self):
         return sum(self.loads.values(), np.zeros(self.space.ndof))
-
-    def Integrate(self, integral):
-        """Coefficients (ndof,) of a linear form on the space, for example of a numerical flux against the jump."""
-        return LinearForm(integral).Assemble().vec.FV().NumPy().copy()
 
     @cached_property
     def prescribed(self):
@@ -134,19 +102,19 @@ class Discretization:
                                "legitimate problem, but the elastic matrix is singular and this iteration has no first "
                                "step; until the contact stiffness is part of the matrix, add dirichlet or roller")
         with TaskManager():
-            return self.form.mat.Inverse(self.space.FreeDofs(), inverse="sparsecholesky")
+            return self.matrix.Inverse(self.space.FreeDofs(), inverse="sparsecholesky")
 
     def Multiply(self, vector):
         """A u, (ndof,) -> (ndof,)."""
-        source, target = self.form.mat.CreateRowVector(), self.form.mat.CreateColVector()
+        source, target = self.matrix.CreateRowVector(), self.matrix.CreateColVector()
         source.FV().NumPy()[:] = vector
         with TaskManager():
-            target.data = self.form.mat * source
+            target.data = self.matrix * source
         return target.FV().NumPy().copy()
 
     def Solve(self, load):
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""
-        source, target = self.form.mat.CreateColVector(), self.form.mat.CreateRowVector()
+        source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
         source.FV().NumPy()[:] = load
         with TaskManager():
             target.data = self.inverse * source

@@ -8,8 +8,8 @@ from ngsolve import H1, L2, VectorH1, VectorL2
 
 from .coefficients import IsNumber
 from .exceptions import ProblemError
-from .fluxes import Clamped, Interior, Roller
 from .penalty import ElasticPenalty, ScalarPenalty
+from .skeleton import Clamped, Interior, Roller, SkeletonForm
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,9 +40,9 @@ class InteriorPenalty:
     def ScalarSpace(self, mesh, order):
         return L2(mesh, order=order)
 
-    def FacetSets(self, problem, facets, order):
-        """(interior facets, Gamma_D, rollers) of E0, with one penalty for all."""
-        return _FacetSets(problem, facets, order, self.penalty, interior=True, clamped=problem.dirichlet)
+    def Form(self, problem, facets, space, order):
+        """B_h with E0 = interior facets, Gamma_D and rollers."""
+        return SkeletonForm(problem, space, _Parts(problem, facets, order, self.penalty, True, problem.dirichlet))
 
 
 @dataclass(frozen=True)
@@ -65,14 +65,16 @@ class Conforming:
     def ScalarSpace(self, mesh, order):
         return H1(mesh, order=order)
 
-    def FacetSets(self, problem, facets, order):
-        return _FacetSets(problem, facets, order, "auto", interior=False, clamped={})
+    def Form(self, problem, facets, space, order):
+        """a(u, v), with the terms of E0 = rollers."""
+        return SkeletonForm(problem, space, _Parts(problem, facets, order, "auto", False, {}))
 
 
 METHODS = {"ip": InteriorPenalty, "h1": Conforming}
 
 
-def _FacetSets(problem, facets, order, penalty, *, interior, clamped):
+def _Parts(problem, facets, order, penalty, interior, clamped):
+    """The sets of facets of E0, with one penalty for all."""
     share = np.where(facets.neighbours > 1, 0.5, 0.0) if interior else np.zeros(len(facets.neighbours))
     for region in (*clamped, *problem.roller):
         share[facets.On(region)] = 1

@@ -11,6 +11,7 @@ from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
 from .elasticity import Strain
 from .facets import RigidMotions, RigidMotionsAt
+from .skeleton import Coefficients
 
 
 @dataclass(frozen=True)
@@ -51,11 +52,8 @@ def Resultants(solution):
 
     found = [Resultant(kinds[region], region, *Split(basis @ reaction), integrated=Split(basis @ stress))
              for region, reaction, stress in _StrongReactions(solution)]
-    v = disc.space.TestFunction()
-    for part in disc.facetsets:
-        if part.region is not None:
-            flux = disc.Integrate(part.Flux(solution.gfu) * v * part.measure)
-            found.append(Resultant(kinds[part.region], part.region, *Split(basis @ flux)))
+    found += [Resultant(kinds[region], region, *Split(basis @ flux))
+              for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
     found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
               if kind in ("traction", "bodyforce")]
     contact = disc.contact
@@ -82,7 +80,7 @@ def _StrongReactions(solution):
         boundary = disc.mesh.Boundaries(region)
         dofs = np.array(list(disc.space.GetDofs(boundary)), dtype=bool) & ~taken
         taken |= dofs
-        yield region, np.where(dofs, residual, 0), disc.Integrate((stress * n) * v * ds(skeleton=True, definedon=boundary))
+        yield region, np.where(dofs, residual, 0), Coefficients((stress * n) * v * ds(skeleton=True, definedon=boundary))
 
 
 def GlobalImbalance(resultants):
@@ -98,9 +96,7 @@ def ElementImbalance(solution):
     elements and on Gamma_D, f_2 on Gamma_F and -t on Gamma_C; relative to the largest contribution of any element.
     """
     disc = solution.disc
-    v = disc.space.TestFunction()
-    contributions = [disc.Integrate(part.Flux(solution.gfu) * (part.Jump(v) if part.region is None else v) * part.measure)
-                     for part in disc.facetsets]
+    contributions = [*disc.form.Fluxes(solution.gfu).values()]
     contributions += [load for (kind, _), load in disc.loads.items() if kind in ("traction", "bodyforce")]
     contributions.append(-disc.contact.Load(solution.traction))
     basis = RigidBasis(disc.space)

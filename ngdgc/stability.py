@@ -1,7 +1,6 @@
 """Is B_h coercive?  Decided by an element-wise bound where that suffices, by an eigenvalue computation where it does not."""
 
 import numpy as np
-import scipy.sparse.linalg as spla
 
 from .exceptions import ProblemError
 from .facets import Csr
@@ -10,14 +9,16 @@ from .facets import Csr
 def SmallestEigenvalue(matrix, norm, freedofs):
     """Smallest lambda with B_h u = lambda N u, N = g_h + penalty: the coercivity constant of B_h in its own energy norm.
 
-    `matrix` and `norm` are assembled BilinearForms on one space.  The spectrum lies in a bounded interval whatever the mesh, so
+    `matrix` and `norm` are NGSolve matrices on one space.  The spectrum lies in a bounded interval whatever the mesh, so
     Lanczos needs few steps; it costs one factorisation of N.
     """
+    import scipy.sparse.linalg as spla      # slow to import and rarely needed
+
     free = np.flatnonzero(list(freedofs))
-    B, N = (Csr(form.mat)[free][:, free] for form in (matrix, norm))
-    inverse = norm.mat.Inverse(freedofs, inverse="sparsecholesky")
-    full = norm.mat.CreateColVector()
-    result = norm.mat.CreateColVector()
+    B, N = (Csr(entries)[free][:, free] for entries in (matrix, norm))
+    inverse = norm.Inverse(freedofs, inverse="sparsecholesky")
+    full = norm.CreateColVector()
+    result = norm.CreateColVector()
 
     def Apply(vector):
         full.FV().NumPy()[:] = 0
@@ -31,17 +32,16 @@ def SmallestEigenvalue(matrix, norm, freedofs):
                             return_eigenvectors=False)[0])
 
 
-def CheckCoercivity(method, facetsets, matrix, AssembleNorm, freedofs):
+def CheckCoercivity(method, form, matrix, freedofs):
     """Raise ProblemError if the bilinear form is not coercive.
 
     If the largest element bound kappa_K (`penalty` module) is below 1 the form is coercive; only otherwise
     lambda_min > 0 of `SmallestEigenvalue` decides.
     """
-    bound = max((facets.penalty.bound for facets in facetsets), default=0)
-    if bound < 1:
+    if form.bound < 1:
         return
-    smallest = SmallestEigenvalue(matrix, AssembleNorm(), freedofs)
+    smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs)
     if smallest <= 1e-6:        # Lanczos is stopped at a relative accuracy of 1e-4 of a spectrum of size 1
         raise ProblemError(f"penalty={method.penalty:g} loses coercivity on this mesh, order and material (smallest eigenvalue "
-                           f"{smallest:.3g} of the form against its energy norm); penalty={method.penalty * bound:.3g} "
+                           f"{smallest:.3g} of the form against its energy norm); penalty={method.penalty * form.bound:.3g} "
                            "is safe, and so is penalty='auto'")

@@ -16,6 +16,7 @@ from ngdgc.facets import BoundaryQuadrature, Csr
 from ngdgc.meshes import RectangleMesh
 from ngdgc.penalty import MARGIN
 from ngdgc.resultants import RigidBasis
+from ngdgc.skeleton import Coefficients
 from ngdgc.stability import SmallestEigenvalue
 
 OPEN = Foundation("bottom", NormalCompliance(1.0), gap=100.0)
@@ -58,16 +59,16 @@ def test_form_restricted_to_continuous_functions_is_the_conforming_one(order, pe
     h1 = Discretization(problem, Conforming(), mesh, order=order)
     embedding = Csr(ConvertOperator(h1.space, dg.space))
     free = np.flatnonzero(list(h1.space.FreeDofs()))
-    restricted = (embedding.T @ Csr(dg.form.mat) @ embedding)[free][:, free]
-    conforming = Csr(h1.form.mat)[free][:, free]
+    restricted = (embedding.T @ Csr(dg.matrix) @ embedding)[free][:, free]
+    conforming = Csr(h1.matrix)[free][:, free]
     assert abs(restricted - conforming).max() < 1e-11 * abs(conforming).max()
     # Functions that do not vanish on Gamma_D see the penalty.
-    assert abs(embedding.T @ Csr(dg.form.mat) @ embedding - Csr(h1.form.mat)).max() > 0.1 * abs(conforming).max()
+    assert abs(embedding.T @ Csr(dg.matrix) @ embedding - Csr(h1.matrix)).max() > 0.1 * abs(conforming).max()
 
 
 def test_form_is_symmetric_and_rigid_motions_have_no_strain(method):
     disc = Discretization(Example(), method, Distorted("triangle"), order=2)
-    matrix = Csr(disc.form.mat)
+    matrix = Csr(disc.matrix)
     assert abs(matrix - matrix.T).max() < 1e-12 * abs(matrix).max()
     for motion in RigidBasis(disc.space):
         function = GridFunction(disc.space)
@@ -78,14 +79,15 @@ def test_form_is_symmetric_and_rigid_motions_have_no_strain(method):
 
 def Spectrum(disc):
     """Smallest eigenvalue of the form against its energy norm, by a dense computation."""
-    return scipy.linalg.eigh(Csr(disc.form.mat).toarray(), Csr(disc._Norm().mat).toarray(), eigvals_only=True)[0]
+    return scipy.linalg.eigh(Csr(disc.form.Matrix()).toarray(), Csr(disc.form.Norm()).toarray(), eigvals_only=True)[0]
 
 
 @pytest.mark.parametrize("cells", ["triangle", "quad"])
 @pytest.mark.parametrize("order", [1, 2])
 def test_lanczos_finds_the_dense_smallest_eigenvalue(order, cells):
     disc = Discretization(Example(), InteriorPenalty(penalty=60), Distorted(cells), order=order)
-    assert SmallestEigenvalue(disc.form, disc._Norm(), disc.space.FreeDofs()) == pytest.approx(Spectrum(disc), rel=1e-3)
+    smallest = SmallestEigenvalue(disc.form.Matrix(), disc.form.Norm(), disc.space.FreeDofs())
+    assert smallest == pytest.approx(Spectrum(disc), rel=1e-3)
 
 
 @pytest.mark.parametrize("stretch", [1, 100])
@@ -101,7 +103,7 @@ def test_automatic_penalty_keeps_its_promise(nu, order, stretch):
 def test_element_bound_is_safe_and_sharp():
     """Where the bound says coercive it is; and it is not far from the true threshold, 21.5 mu for P1 and lam/mu = 4."""
     problem, mesh = Example(), RectangleMesh(4)
-    bound = Discretization(problem, InteriorPenalty(penalty=30), mesh, order=1).facetsets[0].penalty.bound
+    bound = Discretization(problem, InteriorPenalty(penalty=30), mesh, order=1).form.bound
     threshold = 30 * bound      # the bound is proportional to 1/penalty
     assert Spectrum(Discretization(problem, InteriorPenalty(penalty=1.001 * threshold), mesh, order=1)) > 0
     assert 21.5 < threshold < 1.5 * 21.5
@@ -127,14 +129,14 @@ def test_named_interface_between_materials_changes_nothing(penalty):
         mesh = TwoMaterials(interface)
         material = HookeMaterial(mu=mesh.MaterialCF({"soft": 10, "hard": 1000}), lam=20)
         disc = Discretization(Example(material=material), InteriorPenalty(penalty=penalty), mesh, order=1)
-        matrices.append(Csr(disc.form.mat))
+        matrices.append(Csr(disc.matrix))
         u = CF((x - 2 * y, y + x))      # no traction balance across the interface, so only the jump terms are looked at
         vector = Interpolate(disc, u)
-        jumps = [part for part in disc.facetsets if part.region is None]
+        interior = disc.form.parts[0]
         function = GridFunction(disc.space)
         function.vec.FV().NumPy()[:] = vector
         v = disc.space.TestFunction()
-        assert np.abs(disc.Integrate(jumps[0].Penalty(jumps[0].Jump(function)) * v * jumps[0].measure)).max() < 1e-10
+        assert np.abs(Coefficients(interior.Penalty(interior.Jump(function)) * v * interior.measure)).max() < 1e-10
     assert abs(matrices[0] - matrices[1]).max() < 1e-12 * abs(matrices[0]).max()
 
 
@@ -143,7 +145,7 @@ def test_stiffer_side_rules_the_penalty_of_an_interface():
     material = HookeMaterial(mu=mesh.MaterialCF({"soft": 10, "hard": 1000}), lam=20)
     disc = Discretization(Example(material=material), InteriorPenalty(penalty=30), mesh, order=1)
     on = disc.facets.On("interface")
-    weight = disc.facetsets[0].penalty.weight.vec.FV().NumPy()[on]
+    weight = disc.form.parts[0].penalty.weight.vec.FV().NumPy()[on]
     assert weight == pytest.approx(30 * 1000 / disc.facets.diameter[on], rel=1e-12)
 
 

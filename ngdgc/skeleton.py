@@ -1,0 +1,145 @@
+"""The bilinear form of interior penalty in NGSolve's symbols, the readable definition: edge form, Table 1, first row.
+
+On every set of facets in E0 the form consists of the same three terms,
+
+    - <w(u), {C eps(v)} n> - <w(v), {C eps(u)} n> + <w(u), P(w(v)) n>,        flux = {C eps(u)} n - P(w(u) - w_D) n,
+
+where w is u+ - u- between two elements, u on a clamped boundary and u_n n on a roller, and w_D the prescribed value.  Edge form
+of the paper since [v]:q = w(v).(q n) for symmetric q.
+"""
+
+from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, LinearForm, Sym, TaskManager, ds, dx, specialcf
+
+from .coefficients import Unfolded
+from .elasticity import Strain
+
+
+def _OtherStrain(u):
+    """eps(u) of the neighbour, of a trial or test function or a GridFunction."""
+    return Sym(Grad(u).Other()) if isinstance(u, GridFunction) else Strain(u.Other())
+
+
+class Interior:
+    """Facets between two elements."""
+
+    region, value = None, None
+
+    def __init__(self, material, mesh, penalty):
+        self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
+        self.measure = dx(skeleton=True, bonus_intorder=material.bonus)
+
+    def Jump(self, u):
+        return u - u.Other()
+
+    def Mean(self, u):
+        return 0.5 * (self.material.Stress(Strain(u)) + self.material.OtherStress(_OtherStrain(u))) * self.n
+
+    def Penalty(self, w):
+        return self.penalty.Interior(w, self.n) * self.n
+
+    def Flux(self, u):
+        """{C eps(u)} n - P(w(u)) n, the traction that acts on the element whose outward normal is n [stress]."""
+        return self.Mean(u) - self.Penalty(self.Jump(u))
+
+
+class Clamped:
+    """Boundary facets with all components prescribed."""
+
+    def __init__(self, material, mesh, penalty, region, value):
+        self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
+        self.region, self.measure = region, ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=material.bonus)
+        self.value = self._Prescribed(value)
+
+    def _Prescribed(self, value):
+        return Unfolded(value)
+
+    def Jump(self, u):
+        return u
+
+    def Mean(self, u):
+        return self.material.Stress(Strain(u)) * self.n
+
+    def Penalty(self, w):
+        return self.penalty.Boundary(w, self.n) * self.n
+
+    def Flux(self, u):
+        """C eps(u) n - P(w(u) - w_D) n, the traction of the support on the body [stress]."""
+        return self.Mean(u) - self.Penalty(self.Jump(u) - self.value)
+
+
+class Roller(Clamped):
+    """Boundary facets with the normal component prescribed; the traction is normal."""
+
+    def _Prescribed(self, value):
+        return Unfolded(value) * self.n
+
+    def _Normal(self, vector):
+        return (vector * self.n) * self.n
+
+    def Jump(self, u):
+        return self._Normal(u)
+
+    def Mean(self, u):
+        return self._Normal(super().Mean(u))
+
+    def Penalty(self, w):
+        return self._Normal(super().Penalty(w))
+
+
+class SkeletonForm:
+    """B_h = int C eps_h(u):eps_h(v) + the terms above, assembled by NGSolve's dx(skeleton=True) integrals.
+
+    parts : the sets of facets of E0, empty for H1 without rollers
+    bound : largest element bound kappa_K of the penalty; the form is coercive if it is below 1
+    """
+
+    def __init__(self, problem, space, parts):
+        self.material, self.space, self.parts = problem.material, space, parts
+        self.bound = max((part.penalty.bound for part in parts), default=0)
+
+    def Matrix(self):
+        """The matrix of B_h."""
+        u, v = self.space.TnT()
+        form = self._Energy()
+        # One integral a term: NGSolve takes four times as long for their sum in one integral.
+        for part in self.parts:
+            form += -part.Jump(v) * part.Mean(u) * part.measure
+            form += -part.Jump(u) * part.Mean(v) * part.measure
+        self._AddPenalty(form)
+        return form.Assemble().mat
+
+    def Norm(self):
+        """The matrix of the energy norm g_h + penalty."""
+        form = self._Energy()
+        self._AddPenalty(form)
+        return form.Assemble().mat
+
+    def _Energy(self):
+        u, v = self.space.TnT()
+        form = BilinearForm(self.space)
+        form += InnerProduct(self.material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=self.material.bonus)
+        return form
+
+    def _AddPenalty(self, form):
+        u, v = self.space.TnT()
+        for part in self.parts:
+            form += part.Penalty(part.Jump(u)) * part.Jump(v) * part.measure
+
+    def Prescribed(self):
+        """The load of weakly prescribed displacements, {region: (ndof,)}."""
+        v = self.space.TestFunction()
+        return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure
+                                          - part.value * part.Mean(v) * part.measure)
+                for part in self.parts if part.region is not None}
+
+    def Fluxes(self, gfu):
+        """The numerical flux tested on each set of facets, {region, or None between elements: (ndof,)}."""
+        v = self.space.TestFunction()
+        return {part.region: Coefficients(part.Flux(gfu) * (part.Jump(v) if part.region is None else v) * part.measure)
+                for part in self.parts}
+
+
+def Coefficients(integral):
+    """Coefficients (ndof,) of a linear form, for example of a numerical flux against the jump."""
+    with TaskManager():
+        return LinearForm(integral).Assemble().vec.FV().NumPy().copy()

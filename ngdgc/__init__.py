@@ -5,7 +5,8 @@ from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .foundation import (ComplianceLaw, CoulombFriction, Foundation, FrictionLaw, NormalCompliance, PowerFriction,
                          TrescaFriction)
-from .methods import Conforming, InteriorPenalty
+from .lifting import Lifting
+from .methods import LDG, BassiEtAl, BrezziEtAl, Conforming, InteriorPenalty
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .solvers import Contraction, EstimateContraction, UzawaSolver
@@ -13,7 +14,7 @@ from .solvers import Contraction, EstimateContraction, UzawaSolver
 __version__ = "0.1.0"
 
 # What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for.
-__all__ = ["AnisotropicMaterial", "ComplianceLaw", "Conforming", "ContactProblem", "ContactSolution", "Contraction",
-           "CoulombFriction", "Discretization", "EstimateContraction", "Foundation", "FrictionLaw", "HookeMaterial",
-           "InteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction", "ProblemError", "SolveInterrupted",
-           "TrescaFriction", "UzawaSolver"]
+__all__ = ["LDG", "AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "ComplianceLaw", "Conforming", "ContactProblem",
+           "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction", "Foundation",
+           "FrictionLaw", "HookeMaterial", "InteriorPenalty", "Lifting", "NormalCompliance", "NotConvergedError",
+           "PowerFriction", "ProblemError", "SolveInterrupted", "TrescaFriction", "UzawaSolver"]

@@ -28,7 +28,7 @@ def Main(arguments=None):
         print(f"ngdgc: {error}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("ngdgc: interrupted before anything was computed", file=sys.stderr)
+        print("ngdgc: interrupted", file=sys.stderr)
         return 130
     except BrokenPipeError:
         sys.stderr.close()      # the reader of our output has gone, for example `| head`
@@ -61,15 +61,16 @@ def _AddRun(commands):
     run = commands.add_parser("run", help="solve a case; write report, figures, HTML page and VTK",
                               description="Solve a case and write report, figures, an HTML page, a VTK file and the solution.")
     run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
-    run.add_argument("--method", default="ip", help="ip (interior penalty) or h1 (conforming); default ip")
-    run.add_argument("--penalty", default="auto", type=_NumberOrAuto, help="penalty of ip: auto, or a number as in the paper's "
-                     "eta = penalty mu order^2")
+    run.add_argument("--method", default="ip", help="ip (interior penalty), bassi, brezzi, ldg or h1 (conforming); default ip")
+    run.add_argument("--form", default="edge", help="edge or lifting form of a discontinuous method (default edge)")
+    run.add_argument("--penalty", default="auto", type=_NumberOrAuto, help="auto, or a number: for ip and ldg as in the "
+                     "paper's eta = penalty mu order^2, for bassi and brezzi the factor of the lifting term")
     run.add_argument("--order", type=_Positive, default=1, help="polynomial degree of the displacement (default 1)")
     run.add_argument("--n", type=_Positive, default=16, help="cells per side (default 16)")
     run.add_argument("--plane", help="stress or strain (default: the case's own)")
     run.add_argument("--cells", help="triangle, triangle-flipped or quad (default: the case's own)")
     run.add_argument("--rho", default="auto", type=_NumberOrAuto, help="step of Uzawa's friction update: auto or a number")
-    run.add_argument("--tol", type=_Finite, default=1e-8, help="relative tolerance of the iteration (default 1e-8)")
+    run.add_argument("--tol", type=_Finite, default=1e-10, help="relative tolerance of the iteration (default 1e-10)")
     run.add_argument("--maxiter", type=_Positive, default=10000, help="limit of iterations (default 10000)")
     run.add_argument("--scale", type=_Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
@@ -108,9 +109,7 @@ def CaseFiles():
 
 def LoadCase(name):
     """The module of a case, from a file or by the name of an installed one; ProblemError if there is none."""
-    path = Path(name)
-    if not path.is_file():
-        path = CaseFiles().get(path.stem if path.suffix == ".py" else name)
+    path = Path(name) if Path(name).is_file() else CaseFiles().get(name)
     if path is None:
         raise ProblemError(f"no case {name!r}: neither a file nor one of {', '.join(CaseFiles())}")
     spec = importlib.util.spec_from_file_location(f"ngdgc_case_{path.stem}", path)
@@ -119,8 +118,8 @@ def LoadCase(name):
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
-    except (SyntaxError, ImportError, NameError) as error:
-        raise ProblemError(f"{name} cannot be loaded: {error}") from error
+    except Exception as error:
+        raise ProblemError(f"{name} cannot be loaded: {type(error).__name__}: {error}") from error
     if not callable(getattr(module, "Main", None)):
         raise ProblemError(f"{name} has no function Main(method=..., order=..., n=...)")
     return module
@@ -135,6 +134,7 @@ def ListCases(options):
 def Run(options):
     """Solve the case and write everything about it."""
     from .output import Progress, WriteResults
+    from .solution import ContactSolution
 
     case = LoadCase(options.case)
     arguments = _CaseArguments(case, options)
@@ -144,11 +144,17 @@ def Run(options):
     print(f"{name}: {arguments['method']}, order {options.order}, n = {options.n}")
     code, message = 0, None
     try:
+        inspect.signature(case.Main).bind(callback=progress, **arguments)
+    except TypeError as error:
+        raise ProblemError(f"Main of {options.case} cannot be called: {error}") from error
+    try:
         solution = case.Main(callback=progress, **arguments)
     except (NotConvergedError, SolveInterrupted) as stop:
         solution, message = stop.solution, str(stop)
         code = 1 if isinstance(stop, NotConvergedError) else 130
     progress.Close()
+    if not isinstance(solution, ContactSolution):
+        raise ProblemError(f"Main of {options.case} returned {type(solution).__name__}, not a ContactSolution")
     try:
         written = WriteResults(solution, folder, scale=options.scale)
     except OSError as error:
@@ -167,9 +173,11 @@ def _CaseArguments(case, options):
 
     if options.method not in METHODS:
         raise ProblemError(f"no method {options.method!r}; choose one of {', '.join(METHODS)}")
-    if options.penalty != "auto" and options.method != "ip":
-        raise ProblemError(f"--penalty does not apply to method {options.method!r}")
-    method = METHODS[options.method](**({"penalty": options.penalty} if options.method == "ip" else {}))
+    row = METHODS[options.method]
+    for name, default in (("penalty", "auto"), ("form", "edge")):
+        if getattr(options, name) != default and not row.discontinuous:
+            raise ProblemError(f"--{name} does not apply to method {options.method!r}")
+    method = row(penalty=options.penalty, form=options.form) if row.discontinuous else row()
     arguments = {"method": method, "order": options.order, "n": options.n,
                  "solver": UzawaSolver(tol=options.tol, maxiter=options.maxiter, rho=options.rho)}
     known = inspect.signature(case.Main).parameters

@@ -1,5 +1,6 @@
 """Numbers, tuples and CoefficientFunctions as data: one conversion and one check for all of them."""
 
+import re
 from numbers import Real
 
 import numpy as np
@@ -20,6 +21,8 @@ def Scalar(value, name):
         return float(value)
     if not isinstance(value, CoefficientFunction):
         raise ProblemError(f"{name} is {value!r}; give a number or a scalar CoefficientFunction")
+    if value.is_complex:
+        raise ProblemError(f"{name} is complex; a real CoefficientFunction is needed")
     if value.dim != 1:
         raise ProblemError(f"{name} has {value.dim} components; a scalar is needed")
     return value
@@ -33,12 +36,24 @@ def Vector(value, name):
         shape = f"{value.dim} component(s)" if isinstance(value, CoefficientFunction) else repr(value)
         raise ProblemError(f"{name} is {shape}; a vector with one component per dimension is needed, "
                            "for example CF((0, 0))")
+    if value.is_complex:
+        raise ProblemError(f"{name} is complex; a real CoefficientFunction is needed")
     return value
 
 
 def Unfolded(value):
     """The same coefficient, kept by NGSolve even where it is zero: an integrand that folds to 0 is an error there."""
     return CF(value) + Parameter(0) * (CF(1) if CF(value).dim == 1 else CF((1,) * CF(value).dim))
+
+
+def RegionName(region, name):
+    """A nonempty string that is a regular expression, else ProblemError."""
+    try:
+        re.compile(region)
+    except (TypeError, re.error) as error:
+        raise ProblemError(f"{name} region is {region!r}; give a name or a regular expression such as 'left|right' "
+                           f"({error})") from None
+    return region
 
 
 def CheckNumber(value, name, *, above=None, least=None):

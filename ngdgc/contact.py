@@ -11,7 +11,7 @@ from ngsolve import VOL, ElementId
 from .coefficients import ValuesAt
 from .exceptions import ProblemError
 from .facets import BoundaryQuadrature
-from .foundation import CheckCompliance, CheckFriction
+from .foundation import CheckCompliance, CheckFriction, LawAt
 
 SEPARATION, STICK, SLIP = 0, 1, 2
 ZONES = ("separation", "stick", "slip")
@@ -49,9 +49,9 @@ class ContactBoundary:
             start = here.stop
             name = f"foundation {foundation.boundary!r}: "
             self.gap[here] = ValuesAt(foundation.gap, piece.points, name + "gap")
-            compliance = foundation.compliance.At(piece.points, name)
+            compliance = LawAt(foundation.compliance, piece.points, name)
             CheckCompliance(compliance, len(piece.points), name[:-2])
-            friction = foundation.friction and foundation.friction.At(piece.points, name)
+            friction = foundation.friction and LawAt(foundation.friction, piece.points, name)
             if friction is not None:
                 r = np.ones(len(piece.points))
                 CheckFriction(friction, r, compliance.Pressure(r), name[:-2])

@@ -3,16 +3,16 @@
 from functools import cached_property
 
 import numpy as np
-from ngsolve import GridFunction, TaskManager, ds, dx
+from ngsolve import GridFunction, ds, dx
 
 from .coefficients import Unfolded
 from .contact import ContactBoundary
 from .exceptions import ProblemError
-from .facets import Facets
+from .facets import Facets, Threads
 from .problem import ContactProblem
 from .skeleton import Coefficients
 from .stability import CheckCoercivity
-from .validation import CheckProblem, UnresistedMotion
+from .validation import CheckMesh, CheckProblem, UnresistedMotion
 
 LOADBONUS = 2       # quadrature degrees for loads that are no polynomials of the order of the displacement
 
@@ -40,11 +40,12 @@ class Discretization:
     def __init__(self, problem, method, mesh, *, order=1):
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
-        if not hasattr(method, "Form"):
-            raise ProblemError(f"method is {method!r}; give InteriorPenalty() or Conforming()")
+        if isinstance(method, type) or not hasattr(method, "Form"):
+            raise ProblemError(f"method is {method!r}; give an object such as InteriorPenalty() or Conforming()")
         if isinstance(order, bool) or not isinstance(order, (int, np.integer)) or order < 1:
             raise ProblemError(f"order is {order!r}; it must be an integer of at least 1, "
                                "piecewise constants carry no strain")
+        CheckMesh(problem, mesh)
         self.problem, self.method, self.mesh, self.order = problem, method, mesh, int(order)
         self.facets = Facets(mesh)
         CheckProblem(problem, mesh, self.facets)
@@ -65,8 +66,11 @@ class Discretization:
     @cached_property
     def matrix(self):
         """NGSolve's matrix A of B_h, checked for coercivity."""
-        with TaskManager():
+        with Threads(self.mesh):
             matrix = self.form.Matrix()
+            if not np.all(np.isfinite(matrix.AsVector().FV().NumPy())):
+                raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
+                                   "division by zero or a root of a negative number")
             CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs())
         return matrix
 
@@ -80,7 +84,13 @@ class Discretization:
         for region, value in problem.traction.items():
             measure = ds(skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
             loads["traction", region] = Coefficients(Unfolded(value) * v * measure)
-        return loads | {("prescribed", region): load for region, load in self.form.Prescribed().items()}
+        loads |= {("prescribed", region): load for region, load in self.form.Prescribed().items()}
+        for (kind, region), load in loads.items():
+            if not np.all(np.isfinite(load)):
+                name = f"{kind}[{region!r}]" if region else kind
+                raise ProblemError(f"{name} is not finite at some quadrature point; look for a division by zero or a root of a "
+                                   "negative number")
+        return loads
 
     @property
     def load(self):
@@ -101,14 +111,14 @@ class Discretization:
             raise ProblemError(f"the body is held by its foundation alone: only contact resists {self.unresisted}.  That is a "
                                "legitimate problem, but the elastic matrix is singular and this iteration has no first "
                                "step; until the contact stiffness is part of the matrix, add dirichlet or roller")
-        with TaskManager():
+        with Threads(self.mesh):
             return self.matrix.Inverse(self.space.FreeDofs(), inverse="sparsecholesky")
 
     def Multiply(self, vector):
         """A u, (ndof,) -> (ndof,)."""
         source, target = self.matrix.CreateRowVector(), self.matrix.CreateColVector()
         source.FV().NumPy()[:] = vector
-        with TaskManager():
+        with Threads(self.mesh):
             target.data = self.matrix * source
         return target.FV().NumPy().copy()
 
@@ -116,8 +126,9 @@ class Discretization:
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""
         source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
         source.FV().NumPy()[:] = load
-        with TaskManager():
-            target.data = self.inverse * source
+        inverse = self.inverse
+        with Threads(self.mesh):
+            target.data = inverse * source
         self.solves += 1
         return target.FV().NumPy().copy()
 

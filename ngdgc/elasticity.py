@@ -81,6 +81,10 @@ class HookeMaterial:
         """Raise ProblemError unless C is finite and positive definite at the points."""
         if mesh.dim == 3 and self.plane == "stress":
             raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only")
+        if self.nu is not None:
+            nu = ValuesAt(self.nu, points, "nu")
+            CheckRange(nu, "nu", above=-1)
+            CheckRange(0.5 - nu, "0.5 - nu", above=0)
         mu, lam = ValuesAt(self.mu, points, "mu"), ValuesAt(self.lam, points, "lam")
         CheckRange(mu, "mu", above=0)
         # d = 2, plane strain: the plane part alone must be positive, which is weaker than the 3D condition.

@@ -1,5 +1,6 @@
 """Facets of a mesh, fixed once: neighbours, measures, diameters, and quadrature on boundary regions."""
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,6 +18,7 @@ REFERENCE_VERTICES = {
     ET.PRISM: [(1, 0, 0), (0, 1, 0), (0, 0, 0), (1, 0, 1), (0, 1, 1), (0, 0, 1)],
     ET.PYRAMID: [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1)],
 }
+THREADED = 3000     # elements from which threads pay
 VOLUME_TYPES = {2: (TRIG, QUAD), 3: (TET, HEX, PRISM, PYRAMID)}
 BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 
@@ -24,6 +26,11 @@ BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 def Csr(matrix):
     """A scipy copy of an NGSolve matrix; the view that CSR() gives dies with its matrix."""
     return sp.csr_matrix(matrix.CSR(), shape=(matrix.height, matrix.width), copy=True)
+
+
+def Threads(mesh):
+    """NGSolve's threads for a loop over this mesh: starting them costs more than a small mesh, much more on a busy machine."""
+    return TaskManager() if mesh.ne > THREADED else nullcontext()
 
 
 def Coordinates(dim):
@@ -48,7 +55,7 @@ class Facets:
         elements, self.space = L2(mesh, order=0), FacetFESpace(mesh, order=0)
         form = BilinearForm(trialspace=elements, testspace=self.space)
         form += elements.TrialFunction() * self.space.TestFunction() * dx(element_boundary=True)
-        with TaskManager():
+        with Threads(mesh):
             form.Assemble()
         self.incidence = Csr(form.mat)
 

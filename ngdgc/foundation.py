@@ -1,40 +1,41 @@
 """What the body presses against: laws p_n, p_t and the gap, (2.7)-(2.9) and (4.1)-(4.2) of Xiao, Wang, Han 2018.
 
 A law is a small frozen object whose methods act on numpy arrays with one entry per quadrature point of Gamma_C.
-Data of a law that are CoefficientFunctions are evaluated at those points once, by `At`.  A law of your own is a
-frozen dataclass derived from `ComplianceLaw` or `FrictionLaw` with the one or two methods shown there.
+Data of a law that are CoefficientFunctions are evaluated at those points once, by `LawAt`.  A law of your own is any
+object with the methods of `ComplianceLaw` or `FrictionLaw`, best a frozen dataclass.
 """
 
-from dataclasses import dataclass, fields, replace
+from copy import copy
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from ngsolve import CoefficientFunction
 
-from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
+from .coefficients import CheckNumber, CheckRange, IsNumber, RegionName, Scalar, ValuesAt
 from .exceptions import ProblemError
 
 
-class _Law:
-    """Data of a law at points: every CoefficientFunction among its fields becomes an array."""
-
-    def At(self, points, name=""):
-        values = {field.name: ValuesAt(getattr(self, field.name), points, f"{name}{field.name}")
-                  for field in fields(self) if isinstance(getattr(self, field.name), CoefficientFunction)}
-        law = replace(self, **values)
-        law.CheckData(name)
+def LawAt(law, points, name=""):
+    """The law with every CoefficientFunction among its attributes replaced by its values at mesh points."""
+    if not Pointwise(law):
         return law
+    law = copy(law)
+    for attribute, value in list(vars(law).items()):
+        if isinstance(value, CoefficientFunction):
+            # Laws are frozen for their users; this is a new one.
+            object.__setattr__(law, attribute, ValuesAt(value, points, name + attribute))
+    if hasattr(law, "CheckData"):
+        law.CheckData(name)
+    return law
 
-    @property
-    def pointwise(self):
-        """True if some datum is a CoefficientFunction, so that the law can be evaluated only at points."""
-        return any(isinstance(getattr(self, field.name), CoefficientFunction) for field in fields(self))
 
-    def CheckData(self, name=""):
-        """Range checks of numbers and arrays; the default has none."""
+def Pointwise(law):
+    """True if some datum of the law is a CoefficientFunction, so that it can be evaluated only at points."""
+    return any(isinstance(value, CoefficientFunction) for value in getattr(law, "__dict__", {}).values())
 
 
-class ComplianceLaw(_Law):
+class ComplianceLaw:
     """Normal compliance -sigma_n = p_n(r), r = u_n - g the penetration [length], p_n >= 0 [stress].
 
     `Pressure(r)` and `PressureDerivative(r)` map arrays (npoints,) to arrays (npoints,); p_n(r) = 0 for r <= 0.
@@ -47,7 +48,7 @@ class ComplianceLaw(_Law):
         raise NotImplementedError
 
 
-class FrictionLaw(_Law):
+class FrictionLaw:
     """Friction bound |sigma_t| <= p_t; `Bound(r, p)` from penetration [length] and pressure [stress], (npoints,)."""
 
     def Bound(self, r, p):
@@ -173,17 +174,25 @@ class Foundation:
     gap: Any = 0.0
 
     def __post_init__(self):
-        if not isinstance(self.boundary, str):
-            raise ProblemError(f"boundary is {self.boundary!r}; give the name of a region as a string")
-        if not isinstance(self.compliance, ComplianceLaw):
-            raise ProblemError(f"compliance is {self.compliance!r}; give a law such as NormalCompliance(stiffness=450)")
-        if self.friction is not None and not isinstance(self.friction, FrictionLaw):
-            raise ProblemError(f"friction is {self.friction!r}; give a law such as CoulombFriction(0.3), or None")
+        RegionName(self.boundary, "foundation")
+        if not _Has(self.compliance, "Pressure", "PressureDerivative"):
+            raise ProblemError(f"compliance is {self.compliance!r}; give a law such as NormalCompliance(stiffness=450), an "
+                               "object with Pressure(r) and PressureDerivative(r)")
+        if self.friction is not None and not _Has(self.friction, "Bound"):
+            raise ProblemError(f"friction is {self.friction!r}; give a law such as CoulombFriction(0.3), an object with "
+                               "Bound(r, p), or None")
         object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
-        if not self.compliance.pointwise:
+        if not Pointwise(self.compliance):
             CheckCompliance(self.compliance, 1, f"the foundation of {self.boundary!r}")
-        if self.friction is not None and not self.friction.pointwise:
+        if self.friction is not None and not Pointwise(self.friction):
             CheckFriction(self.friction, np.ones(1), np.ones(1), f"the foundation of {self.boundary!r}")
+
+
+def _Has(law, *methods):
+    """True if the law has these methods of its own, not those of the base classes that only say what is missing."""
+    own = [getattr(type(law), method, None) for method in methods]
+    return all(callable(method) and method not in (ComplianceLaw.Pressure, ComplianceLaw.PressureDerivative, FrictionLaw.Bound)
+               for method in own)
 
 
 def CheckFriction(law, r, p, name):
@@ -199,14 +208,20 @@ def CheckCompliance(law, npoints, name):
             raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; p_n(r) = 0 for r <= 0 (2.13)")
     for r in np.logspace(-6, 0, 25):
         at, h = np.full(npoints, r), 1e-5 * r
-        p, forward, backward = law.Pressure(at), law.Pressure(at + h), law.Pressure(at - h)
-        if np.shape(p) != at.shape or not np.all(np.isfinite(p)) or np.any(p < 0):
-            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative, not finite, or not one value "
-                               "per point")
+        # The unit of length is unknown: a law may overflow, or not be defined, at penetrations that never occur.
+        with np.errstate(all="ignore"):
+            p, forward, backward = law.Pressure(at), law.Pressure(at + h), law.Pressure(at - h)
+            derivative = law.PressureDerivative(at)
+        if np.shape(p) != at.shape:
+            raise ProblemError(f"{name}: the pressure has shape {np.shape(p)} for {npoints} points; give one value per point")
+        if not np.all(np.isfinite([p, forward, backward, derivative])):
+            continue
+        if np.any(p < 0):
+            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative")
         scale = np.abs(p) / r + np.abs(forward - backward) / (2 * h)
         # Where the one-sided differences disagree the law has a kink or a jump, and any value will do.
         smooth = np.abs(forward - 2 * p + backward) / h <= 1e-3 * scale
-        error = np.abs(law.PressureDerivative(at) - (forward - backward) / (2 * h))
+        error = np.abs(derivative - (forward - backward) / (2 * h))
         if np.any(smooth & (error > 1e-3 * scale)):
             raise ProblemError(f"{name}: PressureDerivative differs from the finite difference of Pressure at "
                                f"penetration {r:g}")

@@ -1,5 +1,7 @@
 """Structured meshes of a rectangle, with a choice of cells and diagonal."""
 
+from numbers import Integral
+
 from ngsolve.meshes import MakeStructured2DMesh
 
 from .exceptions import ProblemError
@@ -18,10 +20,10 @@ def RectangleMesh(n, *, lower=(0, 0), upper=(1, 1), cells="triangle"):
     >>> RectangleMesh(2, cells="triangle").ne
     8
     """
-    if isinstance(n, bool) or not isinstance(n, int) or n < 1:
+    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:
         raise ProblemError(f"n is {n!r}; the number of cells per side must be a positive integer")
     if cells not in CELLS:
         raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(CELLS)}")
     (x0, y0), (x1, y1) = lower, upper
-    return MakeStructured2DMesh(quads=cells == "quad", nx=n, ny=n, flip_triangles=cells == "triangle-flipped",
+    return MakeStructured2DMesh(quads=cells == "quad", nx=int(n), ny=int(n), flip_triangles=cells == "triangle-flipped",
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))

@@ -15,11 +15,12 @@ of element matrices: sharp in order, shape and material of the element, and with
 """
 
 import numpy as np
-from ngsolve import (L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, OuterProduct, Sym, TaskManager, VectorL2,
+from ngsolve import (L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, OuterProduct, Sym, VectorL2,
                      dx, specialcf)
 
 from .elasticity import Strain
-from .facets import Csr, VolumePoints
+from .exceptions import ProblemError
+from .facets import Csr, Threads, VolumePoints
 
 MARGIN = 2      # kappa_K = 1/MARGIN for penalty="auto": B_h >= (1 - 1/sqrt 2) of the energy norm
 
@@ -36,13 +37,16 @@ def ElementPencil(material, facets, order, facetweight, quadratic):
     energy = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=material.bonus))
     boundary = BilinearForm(facets.Function(facetweight) * quadratic(Strain(u), Strain(v))
                             * dx(element_boundary=True, bonus_intorder=material.bonus))
-    with TaskManager():
+    with Threads(mesh):
         energy.Assemble()
         boundary.Assemble()
     touched = np.flatnonzero(np.abs(facets.incidence).T @ (np.abs(facetweight) > 0))
     largest = np.zeros(mesh.ne)
     for elements, dofs in _DofsBySize(space, touched):
         lower, upper = (_Blocks(Csr(form.mat), dofs) for form in (energy, boundary))
+        if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
+            raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
+                               "division by zero or a root of a negative number")
         values, vectors = np.linalg.eigh(lower)
         positive = values > 1e-11 * values[:, -1:]
         scaled = vectors * np.where(positive, 1 / np.sqrt(np.where(positive, values, 1)), 0)[:, None, :]
@@ -64,6 +68,13 @@ def _Blocks(matrix, dofs):
     """Diagonal blocks of a block-diagonal matrix with full blocks, whose columns are sorted."""
     starts = matrix.indptr[dofs]
     return matrix.data[starts[:, :, None] + np.arange(dofs.shape[1])]
+
+
+def Penalty(value, material, facets, order, share):
+    """The penalty of a method: "auto" or a number."""
+    if value == "auto":
+        return ElasticPenalty(material, facets, order, share)
+    return ScalarPenalty(value, material, facets, order, share)
 
 
 class ScalarPenalty:
@@ -96,7 +107,7 @@ class ScalarPenalty:
 class ElasticPenalty:
     """P(w) = {gamma C} sym(w (x) n), gamma_{K,e} = c_K |e| with the smallest c_K for which kappa_K = 1/MARGIN.
 
-    C-weighted, so that it neither locks nor loses coercivity near incompressibility (Hansbo and Larson 2002).
+    C-weighted, so that it does not lose coercivity near incompressibility, nor lock on simplices (Hansbo and Larson 2002).
     """
 
     def __init__(self, material, facets, order, share):

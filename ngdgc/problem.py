@@ -1,11 +1,11 @@
 """The continuous problem (2.3)-(2.9): a body, its supports and loads, and the foundations it touches."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from .coefficients import Scalar, Vector
+from .coefficients import RegionName, Scalar, Vector
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import ProblemError
 from .foundation import Foundation
@@ -47,7 +47,8 @@ class ContactProblem:
     def __post_init__(self):
         if not isinstance(self.material, (HookeMaterial, AnisotropicMaterial)):
             raise ProblemError(f"material is {self.material!r}; give a HookeMaterial or an AnisotropicMaterial")
-        foundations = (self.foundation,) if isinstance(self.foundation, Foundation) else tuple(self.foundation or ())
+        several = isinstance(self.foundation, Sequence) and not isinstance(self.foundation, str)
+        foundations = tuple(self.foundation) if several else (self.foundation,)
         if not foundations or not all(isinstance(foundation, Foundation) for foundation in foundations):
             raise ProblemError(f"foundation is {self.foundation!r}; give a Foundation or several, "
                                "a contact problem has at least one")
@@ -88,4 +89,5 @@ def _Regions(values, name, convert):
         return MappingProxyType({})
     if not isinstance(values, Mapping):
         raise ProblemError(f"{name} is {values!r}; give a dictionary {{region: value}}")
-    return MappingProxyType({region: convert(value, f"{name}[{region!r}]") for region, value in values.items()})
+    return MappingProxyType({RegionName(region, name): convert(value, f"{name}[{region!r}]")
+                             for region, value in values.items()})

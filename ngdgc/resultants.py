@@ -10,7 +10,7 @@ import numpy as np
 from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
 from .elasticity import Strain
-from .facets import RigidMotions, RigidMotionsAt
+from .facets import RigidMotions, RigidMotionsAt, VolumePoints
 from .skeleton import Coefficients
 
 
@@ -45,14 +45,13 @@ def Resultants(solution):
     """The list of `Resultant`s of a solution: supports, tractions, foundations and body force, in the order of the problem."""
     disc, dim = solution.disc, solution.disc.mesh.dim
     basis = RigidBasis(disc.space)
-    kinds = {region: kind for kind, region in disc.problem.Regions()}
 
     def Split(modes):
         return modes[:dim], modes[dim:]
 
-    found = [Resultant(kinds[region], region, *Split(basis @ reaction), integrated=Split(basis @ stress))
+    found = [Resultant("dirichlet", region, *Split(basis @ reaction), integrated=Split(basis @ stress))
              for region, reaction, stress in _StrongReactions(solution)]
-    found += [Resultant(kinds[region], region, *Split(basis @ flux))
+    found += [Resultant("roller" if region in disc.problem.roller else "dirichlet", region, *Split(basis @ flux))
               for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
     found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
               if kind in ("traction", "bodyforce")]
@@ -83,17 +82,27 @@ def _StrongReactions(solution):
         yield region, np.where(dofs, residual, 0), Coefficients((stress * n) * v * ds(skeleton=True, definedon=boundary))
 
 
-def GlobalImbalance(resultants):
-    """Largest component of the sum of all forces and moments, relative to the largest single one."""
-    modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in resultants])
-    return float(np.abs(modes.sum(axis=0)).max() / (np.abs(modes).max() or 1))
+def GlobalImbalance(solution):
+    """Largest component of the sum of all forces and moments, relative to the largest single one or to `ElasticForce`."""
+    modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in solution.Resultants()])
+    return float(np.abs(modes.sum(axis=0)).max() / max(np.abs(modes).max(), ElasticForce(solution)))
+
+
+def ElasticForce(solution):
+    """mu max|u| L^(d-2), L the size of the body: forces far below it are round-off of a body that nothing loads."""
+    disc = solution.disc
+    points = disc.mesh.ngmesh.Coordinates()[:, :disc.mesh.dim]
+    displacement = np.abs(np.asarray(solution.gfu(VolumePoints(disc.mesh, 2)))).max()
+    shear = disc.problem.material.ShearAt(VolumePoints(disc.mesh, 2)).max()
+    return shear * displacement * np.ptp(points, axis=0).max() ** (disc.mesh.dim - 2) or 1.0
 
 
 def ElementImbalance(solution):
     """Force and moment that the numerical fluxes leave unbalanced on each element, (elements, modes), DG only.
 
     On element K: int_dK sigma_hat n_K.r + int_K f_1.r for the rigid motions r, with sigma_hat the numerical flux between
-    elements and on Gamma_D, f_2 on Gamma_F and -t on Gamma_C; relative to the largest contribution of any element.
+    elements and on Gamma_D, f_2 on Gamma_F and -t on Gamma_C; relative to the largest contribution of any element or to
+    `ElasticForce`.
     """
     disc = solution.disc
     contributions = [*disc.form.Fluxes(solution.gfu).values()]
@@ -105,4 +114,4 @@ def ElementImbalance(solution):
         owner[list(disc.space.GetDofNrs(ElementId(VOL, element)))] = element
     parts = np.array([[np.bincount(owner, mode * vector, minlength=disc.mesh.ne) for mode in basis]
                       for vector in contributions])
-    return parts.sum(axis=0).T / (np.abs(parts).max() or 1)
+    return parts.sum(axis=0).T / max(np.abs(parts).max(), ElasticForce(solution))

@@ -8,10 +8,11 @@ where w is u+ - u- between two elements, u on a clamped boundary and u_n n on a 
 of the paper since [v]:q = w(v).(q n) for symmetric q.
 """
 
-from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, LinearForm, Sym, TaskManager, ds, dx, specialcf
+from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, LinearForm, Sym, ds, dx, specialcf
 
 from .coefficients import Unfolded
 from .elasticity import Strain
+from .facets import Threads
 
 
 def _OtherStrain(u):
@@ -141,5 +142,6 @@ class SkeletonForm:
 
 def Coefficients(integral):
     """Coefficients (ndof,) of a linear form, for example of a numerical flux against the jump."""
-    with TaskManager():
-        return LinearForm(integral).Assemble().vec.FV().NumPy().copy()
+    form = LinearForm(integral)
+    with Threads(form.space.mesh):
+        return form.Assemble().vec.FV().NumPy().copy()

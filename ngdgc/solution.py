@@ -145,7 +145,7 @@ class ContactSolution:
 
     def GlobalImbalance(self):
         """Largest component of the sum of all forces and moments, relative to the largest one."""
-        return GlobalImbalance(self._resultants)
+        return GlobalImbalance(self)
 
     def ElementImbalance(self):
         """Unbalanced force and moment per element, (elements, 3 or 6), relative; DG only, H1 balances globally."""
@@ -162,7 +162,7 @@ class ContactSolution:
     def Save(self, folder):
         """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle)."""
         method = self.disc.method
-        arrays = {"vector": self.vector, "traction": self.traction, "points": self.points,
+        arrays = {"vector": self.vector, "traction": self.traction, **self._Fingerprint(),
                   "history": np.array([astuple(step) for step in self.history]).reshape(-1, len(fields(Step)))}
         description = {"method": type(method).__name__, "arguments": asdict(method), "order": self.disc.order,
                        "converged": self.converged, "solver": self.solver, "summary": self.ToJSON()}
@@ -172,15 +172,23 @@ class ContactSolution:
     def Load(cls, folder, problem):
         """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again.
 
-        Raises ProblemError if the folder holds no solution, or one whose contact points are not those of the problem.
+        Raises ProblemError if the folder holds no solution, or one of another problem: contact points, gap, loads, energy and
+        laws are compared.
         """
         mesh, arrays, description = storage.Read(folder)
         method = getattr(methods, description["method"])(**description["arguments"])
         disc = Discretization(problem, method, mesh, order=description["order"])
-        points = disc.contact.coordinates
-        if arrays["points"].shape != points.shape or not np.allclose(arrays["points"], points):
-            raise ProblemError(f"the solution in {folder} was computed with another problem: its contact points are not those "
-                               "of this one")
         history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
-        return cls(disc, arrays["vector"], arrays["traction"], history=history, converged=description["converged"],
-                   solver=description["solver"])
+        solution = cls(disc, arrays["vector"], arrays["traction"], history=history, converged=description["converged"],
+                       solver=description["solver"])
+        for name, values in solution._Fingerprint().items():
+            stored = arrays[name]
+            if stored.shape != values.shape or not np.allclose(stored, values, rtol=0, atol=1e-6 * (np.abs(stored).max() or 1)):
+                raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ")
+        return solution
+
+    def _Fingerprint(self):
+        """Arrays that tell problems apart."""
+        contact = self.disc.contact
+        return {"points": self.points, "gaps": contact.gap, "loads": self.disc.load, "energies": np.array([self.energy]),
+                "pressures": contact.Pressure(self.penetration), "bounds": self.bound}

@@ -32,6 +32,10 @@ def SmallestEigenvalue(matrix, norm, freedofs):
                             return_eigenvectors=False)[0])
 
 
+def _Words(penalty):
+    return penalty if isinstance(penalty, str) else f"{penalty:g}"
+
+
 def CheckCoercivity(method, form, matrix, freedofs):
     """Raise ProblemError if the bilinear form is not coercive.
 
@@ -42,6 +46,7 @@ def CheckCoercivity(method, form, matrix, freedofs):
         return
     smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs)
     if smallest <= 1e-6:        # Lanczos is stopped at a relative accuracy of 1e-4 of a spectrum of size 1
-        raise ProblemError(f"penalty={method.penalty:g} loses coercivity on this mesh, order and material (smallest eigenvalue "
-                           f"{smallest:.3g} of the form against its energy norm); penalty={method.penalty * form.bound:.3g} "
-                           "is safe, and so is penalty='auto'")
+        larger = f"penalty={method.penalty * form.bound:.3g}" if np.isfinite(form.bound) else "a larger penalty"
+        raise ProblemError(f"penalty={_Words(method.penalty)} loses coercivity on this mesh, order and material (smallest "
+                           f"eigenvalue {smallest:.3g} of the form against its energy norm); {larger} is safe, and so is "
+                           "penalty='auto'")

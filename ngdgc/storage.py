@@ -17,7 +17,8 @@ def Write(folder, mesh, arrays, description):
     folder.mkdir(parents=True, exist_ok=True)
     mesh.ngmesh.Save(str(folder / "mesh.vol.gz"))
     np.savez_compressed(folder / "fields.npz", **arrays)
-    text = json.dumps({"format": FORMAT, **description}, indent=2)
+    # default: numpy numbers among the arguments of a method
+    text = json.dumps({"format": FORMAT, **description}, indent=2, default=float)
     (folder / "solution.json").write_text(text + "\n", encoding="utf-8")
 
 

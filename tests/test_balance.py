@@ -8,6 +8,7 @@ from test_forms import ORTHOTROPIC, Distorted, Ring, Tilted
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, TrescaFriction, UzawaSolver)
+from ngdgc.exact import AffinePatch
 from ngdgc.meshes import RectangleMesh
 from ngdgc.resultants import RigidBasis
 from ngdgc.skeleton import Clamped, Interior
@@ -54,6 +55,26 @@ def test_conforming_reactions_balance_globally(order):
     assert np.linalg.norm(force - support.force) < 0.5 * size and np.abs(moment - support.moment) < 0.5 * size
     total = sum(resultant.force for resultant in solution.Resultants())
     assert np.linalg.norm(total + force - support.force) > 1e-3 * size
+
+
+def test_every_resultant_has_its_own_kind(method):
+    """A roller with a tangential traction is both."""
+    problem = Example(roller={"top": 0}, traction={"left": CF((5, 0)), "top": CF((3, 0))})
+    solution = UzawaSolver().Solve(Discretization(problem, method, RectangleMesh(3), order=1))
+    kinds = sorted((resultant.kind, resultant.region) for resultant in solution.Resultants())
+    assert kinds == [("dirichlet", "right"), ("foundation", "bottom"), ("roller", "top"), ("traction", "left"),
+                     ("traction", "top")]
+    assert next(r for r in solution.Resultants() if (r.kind, r.region) == ("traction", "top")).force == pytest.approx([3, 0])
+    assert solution.GlobalImbalance() < 1e-10
+
+
+def test_a_body_without_forces_balances(method):
+    """All forces are round-off: nothing is out of balance."""
+    exact = AffinePatch("open")
+    solution = UzawaSolver().Solve(Discretization(exact.problem, method, RectangleMesh(3), order=2))
+    assert solution.GlobalImbalance() < 1e-10
+    if method.discontinuous:
+        assert np.abs(solution.ElementImbalance()).max() < 1e-10
 
 
 def test_corner_shared_by_two_supports_is_counted_once():

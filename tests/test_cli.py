@@ -39,6 +39,8 @@ def test_run_leaves_everything(tmp_path):
 
 
 def test_every_option_reaches_the_solution(tmp_path, capsys):
+    assert Main(["run", "example_4_1", *"--method ldg --form lifting --penalty 0.5 --n 2".split(), "--out", str(tmp_path)]) == 0
+    assert json.loads((tmp_path / "report.json").read_text())["options"] == "LDG(penalty=0.5, form='lifting', liftorder=None)"
     words = "--method h1 --n 3 --order 2 --plane strain --cells quad --rho 200 --tol 1e-6 --scale 0.5"
     assert Main(["run", "example_4_2", *words.split(), "--out", str(tmp_path)]) == 0
     capsys.readouterr()
@@ -54,8 +56,8 @@ def test_every_option_reaches_the_solution(tmp_path, capsys):
 
 @pytest.mark.parametrize("arguments, culprit", [
     (["run", "exmaple_4_1"], "no case 'exmaple_4_1': neither a file nor one of example_4_1, example_4_2"),
-    (["run", "cases/missing.py"], "no case 'cases/missing.py'"),
-    (["run", CASE, "--method", "ipp"], "no method 'ipp'; choose one of ip, h1"),
+    (["run", "cases/missing.py"], "no case 'cases/missing.py'"), (["run", "elsewhere/example_4_1.py"], "no case 'elsewhere"),
+    (["run", CASE, "--method", "ipp"], "no method 'ipp'; choose one of ip, bassi, brezzi, ldg, h1"),
     (["run", CASE, "--n", "many"], "'many' is not a positive integer"),
     (["run", CASE, "--n", "0"], "'0' is not a positive integer"),
     (["run", CASE, "--order", "-1"], "'-1' is not a positive integer"),
@@ -63,6 +65,8 @@ def test_every_option_reaches_the_solution(tmp_path, capsys):
     (["run", CASE, "--rho", "-1"], "rho is -1.0"), (["run", CASE, "--penalty", "0"], "penalty is 0.0"),
     (["run", CASE, "--penalty", "2"], "penalty=2 loses coercivity"),
     (["run", CASE, "--method", "h1", "--penalty", "3"], "--penalty does not apply to method 'h1'"),
+    (["run", CASE, "--form", "both"], "form is 'both'"),
+    (["run", CASE, "--method", "h1", "--form", "lifting"], "--form does not apply to method 'h1'"),
     (["run", CASE, "--tol", "0"], "tol is 0.0"), (["run", CASE, "--plane", "curved"], "plane='curved'"),
     (["run", CASE, "--cells", "hex"], "cells is 'hex'"), (["run", CASE, "--scale", "nan"], "'nan' is not a number"),
     (["run", CASE, "--colour", "red"], "unrecognized arguments: --colour red"), (["rnu", CASE], "invalid choice: 'rnu'"),
@@ -88,7 +92,10 @@ def Variant(tmp_path, old, new):
 @pytest.mark.parametrize("old, new, culprit", [
     ('"right": CF((0, 0))', '"rihgt": CF((0, 0))', "dirichlet region 'rihgt' matches no boundary"),
     ("stiffness=450", "stiffness=-450", "stiffness is -450"), ("def Main(", "def Mian(", "has no function Main"),
-    ("import CF, y", "import CF, yy", "cannot be loaded"), ("gap=0.05", "gap=", "cannot be loaded")])
+    ("import CF, y", "import CF, yy", "cannot be loaded"), ("gap=0.05", "gap=", "cannot be loaded"),
+    ("return solver.Solve(disc, callback=callback)", "pass", "returned NoneType, not a ContactSolution"),
+    ("callback=None", "silent=True", "cannot be called: got an unexpected keyword argument"),
+    ("def Mesh", "1 / 0\n\n\ndef Mesh", "cannot be loaded: ZeroDivisionError")])
 def test_a_mistake_in_a_case_is_one_line(old, new, culprit, tmp_path):
     done = Command("run", Variant(tmp_path, old, new), "--n", 2, "--out", tmp_path / "out")
     assert done.returncode == 2 and culprit in done.stderr and done.stderr.count("\n") == 1 and "Traceback" not in done.stderr

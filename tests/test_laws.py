@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from ngsolve import CF, Integrate, Norm, x, y
 
-from ngdgc import (AnisotropicMaterial, ComplianceLaw, CoulombFriction, Foundation, FrictionLaw, HookeMaterial,
-                   NormalCompliance, PowerFriction, ProblemError, TrescaFriction)
+from ngdgc import (AnisotropicMaterial, ComplianceLaw, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
+                   FrictionLaw, HookeMaterial, NormalCompliance, PowerFriction, ProblemError, TrescaFriction, UzawaSolver)
 from ngdgc.meshes import RectangleMesh
 
 
@@ -77,6 +77,36 @@ class Negative(FrictionLaw):
         return -np.ones_like(r)
 
 
+class Incomplete(ComplianceLaw):
+    """Forgets its derivative."""
+
+    def Pressure(self, r):
+        return np.maximum(r, 0)
+
+
+class Barrier:
+    """No dataclass and no base class, only the two methods; undefined from a penetration of 0.01 on."""
+
+    def __init__(self, stiffness):
+        self.stiffness = stiffness
+
+    def Pressure(self, r):
+        return self.stiffness * np.where(r > 0, -np.log(1 - 100 * np.maximum(r, 0)), 0)
+
+    def PressureDerivative(self, r):
+        return self.stiffness * np.where(r > 0, 100 / (1 - 100 * np.maximum(r, 0)), 0)
+
+
+def test_any_object_with_the_methods_is_a_law():
+    """Also one with a CoefficientFunction among its attributes."""
+    for stiffness, value in ((3.0, 3.0), (3.0 + 0 * x, 3.0)):
+        foundation = Foundation("bottom", Barrier(stiffness))
+        problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": CF((0, -0.002))})
+        solution = UzawaSolver().Solve(Discretization(problem, Conforming(), RectangleMesh(4), order=1))
+        expected = -value * np.log(1 - 100 * solution.penetration)
+        assert solution.pressure == pytest.approx(expected, rel=1e-6) and solution.normalforce > 0.1
+
+
 def test_users_law_is_accepted_and_a_wrong_derivative_is_not():
     Foundation("bottom", Exponential(3.0))
     with pytest.raises(ProblemError, match="PressureDerivative differs"):
@@ -94,9 +124,13 @@ def test_bad_compliance_is_refused(arguments, culprit):
 
 @pytest.mark.parametrize("build, culprit", [
     (lambda: CoulombFriction(-0.1), "coefficient is -0.1"), (lambda: TrescaFriction(float("inf")), "bound is inf"),
-    (lambda: PowerFriction(stiffness=-2), "stiffness is -2"), (lambda: Foundation(3, NormalCompliance(1)), "boundary is 3"),
-    (lambda: Foundation("b", 450), "compliance is 450"), (lambda: Foundation("b", NormalCompliance(1), friction=0.3),
-                                                          "friction is 0.3"),
+    (lambda: PowerFriction(stiffness=-2), "stiffness is -2"),
+    (lambda: Foundation(3, NormalCompliance(1)), "foundation region is 3"),
+    (lambda: Foundation("top(", NormalCompliance(1)), r"foundation region is 'top\('"),
+    (lambda: Foundation("b", 450), "compliance is 450"), (lambda: Foundation("b", Incomplete()), "PressureDerivative"),
+    (lambda: Foundation("b", NormalCompliance(1), friction=0.3), "friction is 0.3"),
+    (lambda: NormalCompliance(CF(1j)), "stiffness is complex"),
+    (lambda: Foundation("b", NormalCompliance(1), gap=CF(1j)), "gap is complex"),
     (lambda: Foundation("b", NormalCompliance(1), gap=CF((0, 1))), "gap has 2 components"),
     (lambda: Foundation("b", Adhesive()), r"zero at penetration -1"),
     (lambda: Foundation("b", NormalCompliance(1), friction=Negative()), "friction bound is negative"),

@@ -44,8 +44,12 @@ def test_loading_what_is_not_there_or_does_not_fit(method, tmp_path):
     solution = UzawaSolver().Solve(Discretization(Example(), method, RectangleMesh(2), order=1))
     solution.Save(tmp_path)
     other = Example(foundation=Foundation("top", NormalCompliance(1)))
-    with pytest.raises(ProblemError, match="another problem"):
+    with pytest.raises(ProblemError, match="another problem: its points differ"):
         ContactSolution.Load(tmp_path, other)
+    for changes, name in (({"plane": "stress"}, "energies"), ({"stiffness": 300.0}, "pressures"), ({"friction": 2.0}, "bounds"),
+                          ({"traction": {"left": (890, -190)}}, "loads")):
+        with pytest.raises(ProblemError, match=f"another problem: its {name} differ"):
+            ContactSolution.Load(tmp_path, Example(**changes))
     text = (tmp_path / "solution.json").read_text()
     (tmp_path / "solution.json").write_text(text.replace('"format": 1', '"format": 99'))
     with pytest.raises(ProblemError, match="format 99"):

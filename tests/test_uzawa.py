@@ -8,8 +8,9 @@ import scipy.linalg
 from conftest import METHODS, Example
 from ngsolve import CF, GridFunction, IfPos, LinearForm, ds, specialcf, x
 
-from ngdgc import (CoulombFriction, Discretization, EstimateContraction, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, NotConvergedError, SolveInterrupted, TrescaFriction, UzawaSolver)
+from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, EstimateContraction, Foundation,
+                   HookeMaterial, InteriorPenalty, NormalCompliance, NotConvergedError, ProblemError, SolveInterrupted,
+                   TrescaFriction, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import RectangleMesh
@@ -143,6 +144,43 @@ def test_too_large_rho_is_named_with_a_remedy_that_works():
         UzawaSolver(rho=2 * limit).Solve(disc)
     assert len(failure.value.history) <= 50 and failure.value.contraction.friction > 1
     assert UzawaSolver(rho=0.8 * limit).Solve(disc).converged
+
+
+@pytest.mark.parametrize("mu, stiffness, push, method, order, n", [
+    (0.3, 1000, 1e-3, Conforming(), 1, 8), (0.3, 500, 0, Conforming(), 1, 8), (0.1, 500, 0, Conforming(), 2, 4),
+    (0.1, 1000, 0, Conforming(), 2, 4), (0.3, 1000, 1e-3, InteriorPenalty(), 1, 8)])
+def test_a_convergent_iteration_is_not_taken_for_a_cycle(mu, stiffness, push, method, order, n):
+    """Coulomb friction with points that turn from stick to slip on the way, which lifts the change for some steps."""
+    foundation = Foundation("bottom", NormalCompliance(stiffness), friction=CoulombFriction(mu), gap=1e-3)
+    problem = ContactProblem(HookeMaterial(E=2000, nu=0.3), foundation, dirichlet={"top": CF((push, -3e-3))})
+    disc = Discretization(problem, method, RectangleMesh(n), order=order)
+    solution = UzawaSolver(tol=1e-8).Solve(disc)
+    assert solution.converged and EstimateContraction(disc, solution.penetration).normal < 1
+
+
+def test_a_plateau_before_the_end_is_not_taken_for_a_cycle():
+    """Example 4.1 with rho = 1: the multiplier reaches its bound late."""
+    assert len(example_4_1.Main(n=16, solver=UzawaSolver(rho=1.0, tol=1e-11)).history) > 40
+
+
+def test_contraction_number_of_zones_that_are_never_active_together():
+    """Foundations above and below a beam: the number in the error is that of one iterate, not of the union of their zones."""
+    def Beam(stiffness):
+        law = NormalCompliance(stiffness)
+        problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), [Foundation("bottom", law), Foundation("top", law)],
+                                 dirichlet={"left": CF((0, 0))}, traction={"right": CF((0, -1))})
+        return Discretization(problem, Conforming(), RectangleMesh(6, upper=(3, 1), cells="quad"), order=1)
+
+    solution = UzawaSolver().Solve(Beam(1.0))
+    limit = 1 / EstimateContraction(solution.disc, solution.penetration).normal
+    with pytest.raises(NotConvergedError, match="cannot converge for any rho") as failure:
+        UzawaSolver().Solve(Beam(1.3 * limit))
+    assert 1 < failure.value.contraction.normal < 1.7
+
+
+def test_only_a_discretisation_can_be_solved():
+    with pytest.raises(ProblemError, match="give Discretization"):
+        UzawaSolver().Solve(Example())
 
 
 def test_small_rho_does_not_stop_early():

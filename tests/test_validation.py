@@ -1,13 +1,15 @@
 """Every mistake in a problem is an error that names culprit and remedy, before anything is solved."""
 
+import numpy as np
 import pytest
 from conftest import Example
 from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, IfPos, Mesh, sqrt, x
+from ngsolve import CF, IfPos, Mesh, specialcf, sqrt, x, y
+from test_forms import Tilted
 
-from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, ProblemError, TrescaFriction, UzawaSolver)
+from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, ContactSolution, Discretization, Foundation,
+                   HookeMaterial, InteriorPenalty, NormalCompliance, ProblemError, TrescaFriction, UzawaSolver)
 from ngdgc.meshes import RectangleMesh
 
 NAN = sqrt(-1 - x)
@@ -28,6 +30,9 @@ def test_the_example_itself_is_accepted(method):
     ({"traction": {"left|bottom": CF((0, 0))}}, "'bottom' is claimed twice"),
     ({"dirichlet": {"right": CF((0, 0)), "ri.*": CF((0, 0))}}, "'right' is claimed twice"),
     ({"foundation": [Foundation("bottom", SOFT), Foundation("bot.*", SOFT)]}, "'bottom' is claimed twice"),
+    ({"foundation": [Foundation("bottom", SOFT)] * 2}, "'bottom' is claimed twice"),
+    ({"material": HookeMaterial(E=1, nu=0.7 + 0 * x, plane="stress")}, "0.5 - nu is -0.2"),
+    ({"material": HookeMaterial(E=1000 + sqrt(y - 0.02), nu=0.3)}, "not finite"),
     ({"roller": {"top": 0}, "traction": {"top": CF((1, 1))}}, r"traction\['top'\] has a normal component on a roller"),
     ({"traction": {"left": CF((NAN, 0))}}, r"traction\['left'\] is not finite"),
     ({"dirichlet": {"right": CF((0, NAN))}}, r"dirichlet\['right'\] is not finite"),
@@ -50,7 +55,9 @@ def test_bad_data_on_a_mesh(changes, culprit, method):
     ({"dirichlet": "right"}, "dirichlet is 'right'; give a dictionary"), ({"roller": {"top": CF((0, 0))}}, "2 components"),
     ({"traction": {"left": CF((0, 0, 0))}}, "different dimensions"), ({"bodyforce": 3}, "bodyforce is 3"),
     ({"foundation": None}, "at least one"), ({"foundation": "bottom"}, "give a Foundation"),
-    ({"material": 2000}, "material is 2000"),
+    ({"material": 2000}, "material is 2000"), ({"foundation": 5}, "foundation is 5"),
+    ({"dirichlet": {1: CF((0, 0))}}, "dirichlet region is 1"), ({"traction": {"[": CF((0, 0))}}, "traction region is '\\['"),
+    ({"traction": {"left": CF((1j, 0))}}, "complex"),
     ({"dirichlet": {"right": (0, float("nan"))}}, r"dirichlet\['right'\] is nan")])
 def test_bad_data_without_a_mesh(changes, culprit):
     with pytest.raises(ProblemError, match=culprit):
@@ -134,11 +141,40 @@ def test_part_of_the_mesh_that_floats(method):
     assert Discretization(both, method, mesh, order=1).unresisted is None
 
 
-@pytest.mark.parametrize("arguments, culprit", [
-    (("problem", Conforming(), None), "problem is 'problem'"), ((Example(), "ip", None), "method is 'ip'")])
-def test_arguments_of_the_wrong_kind(arguments, culprit):
+@pytest.mark.parametrize("problem, method, mesh, culprit", [
+    ("problem", Conforming(), RectangleMesh(1), "problem is 'problem'"), (Example(), "ip", RectangleMesh(1), "method is 'ip'"),
+    (Example(), InteriorPenalty, RectangleMesh(1), "method is <class"), (Example(), Conforming(), None, "mesh is None"),
+    (Example(), Conforming(), RectangleMesh(1).ngmesh, "mesh is <netgen")])
+def test_arguments_of_the_wrong_kind(problem, method, mesh, culprit):
     with pytest.raises(ProblemError, match=culprit):
-        Discretization(*arguments[:2], RectangleMesh(1), order=1)
+        Discretization(problem, method, mesh, order=1)
+
+
+def test_values_that_only_the_assembly_sees_are_named(method):
+    """The rule of order 5 comes closer to the boundary than the points at which data are looked at."""
+    problem = Example(bodyforce=CF((sqrt(y - 0.03), 0)))
+    disc = Discretization(problem, method, RectangleMesh(2), order=5)
+    with pytest.raises(ProblemError, match="bodyforce is not finite at some quadrature point"):
+        UzawaSolver().Solve(disc)
+
+
+def test_numpy_numbers_are_numbers(method, tmp_path):
+    problem = Example(np.float32(450), material=HookeMaterial(E=np.float64(2000), nu=np.float64(0.25)))
+    disc = Discretization(problem, method, RectangleMesh(np.int64(2)), order=np.int64(1))
+    solution = UzawaSolver(maxiter=np.int64(500)).Solve(disc)
+    solution.Save(tmp_path)
+    numbered = Discretization(Example(), InteriorPenalty(penalty=np.int64(30)), RectangleMesh(2), order=1)
+    UzawaSolver().Solve(numbered).Save(tmp_path / "numbered")
+    assert ContactSolution.Load(tmp_path, problem).energy == pytest.approx(solution.energy)
+
+
+def test_round_off_of_a_traction_on_a_roller_is_no_normal_part(method):
+    """The tangential part of a stress without any, on an inclined side, is 1e-16 in every direction."""
+    normal = specialcf.normal(2)
+    stress = (HookeMaterial(E=2000, nu=0.3).Stress(CF((1e-3, 0, 0, 1e-3), dims=(2, 2)))) * normal
+    problem = Example(roller={"left": 0.001}, traction={"left": stress - (stress * normal) * normal},
+                      dirichlet={"top": CF((0, 0))})
+    assert Discretization(problem, method, Tilted(0.7), order=1).unresisted is None
 
 
 def test_penalty_that_loses_coercivity_is_detected_not_assumed():

@@ -10,7 +10,8 @@ from ..exceptions import NotConvergedError, SolveInterrupted
 from ..solution import ContactSolution, Step
 
 WINDOW = 10         # iterations over which progress is judged
-NOPROGRESS = 0.97   # the largest change of a window against the window before: 0.997 per iteration
+NOPROGRESS = 0.97   # best value of a window against the best before: 0.997 per iteration
+ROUNDOFF = 1e-9     # changes below this that do not shrink are round-off: higher orders and penalties amplify it
 BLOWUP = 1e6        # growth of the displacement over two windows that no convergent iteration shows
 
 
@@ -47,8 +48,8 @@ def Drive(solver, disc, iterates, callback, Diagnose):
 
     `iterates` yields `Iterate`s, the first without contact.  Converged is change <= tol and residual <= tol.
     `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "cycle" when over the last
-    windows the change has not shrunk and the path leads nowhere, "slow" at the limit of iterations, "roundoff" when the
-    tolerance is out of reach.
+    window neither change nor residual has fallen and the path leads nowhere, "slow" at the limit of iterations, "roundoff"
+    when the tolerance is out of reach.
     """
     history, positions, start = [], [], time.perf_counter()
     iterate = None
@@ -67,7 +68,7 @@ def Drive(solver, disc, iterates, callback, Diagnose):
                                     time.perf_counter() - start))
                 if callback is not None:
                     callback(history[-1])
-            positions = positions[-2 * WINDOW:] + [iterate.displacement]
+            positions = positions[-WINDOW:] + [iterate.displacement]
             reason = _Verdict(solver, history, positions)
             if reason == "converged":
                 return Solution(True)
@@ -89,11 +90,21 @@ def _Verdict(solver, history, positions):
         return "converged"
     if len(positions) > 1 and Scale(positions[-1]) > BLOWUP * Scale(positions[0]):
         return "cycle"
-    if len(positions) > 2 * WINDOW:
-        changes = [step.change for step in history[-2 * WINDOW:]]
-        if max(changes[WINDOW:]) > NOPROGRESS * max(changes[:WINDOW]) and not _GoesSomewhere(positions[-WINDOW - 1:]):
-            return "roundoff" if max(changes[WINDOW:]) < 1e-11 else "cycle"
+    if not _Progresses(history) and not _GoesSomewhere(positions[-WINDOW - 1:]):
+        return "roundoff" if max(step.change for step in history[-WINDOW:]) < ROUNDOFF else "cycle"
     return "slow" if last.number >= solver.maxiter else None
+
+
+def _Progresses(history):
+    """False if over the last window neither the change nor the law residual fell below its best value before.
+
+    The best and not the latest: a point that turns from stick to slip lifts the change of a convergent iteration for a while.
+    """
+    if len(history) < 2 * WINDOW:
+        return True
+    before, recent = history[:-WINDOW], history[-WINDOW:]
+    return any(min(getattr(step, name) for step in recent) < NOPROGRESS * min(getattr(step, name) for step in before)
+               for name in ("change", "residual"))
 
 
 def _GoesSomewhere(positions):

@@ -1,11 +1,13 @@
 """The Uzawa iteration of Xiao, Wang, Han 2018, section 4, (4.3)-(4.8)."""
 
 from dataclasses import dataclass
+from numbers import Integral
 from typing import Any
 
 import numpy as np
 
 from ..coefficients import IsNumber
+from ..discretization import Discretization
 from ..exceptions import ProblemError
 from .contraction import EstimateContraction
 from .driver import Drive, Iterate
@@ -46,16 +48,16 @@ class UzawaSolver:
     'auto'
     """
 
-    tol: float = 1e-8
+    tol: float = 1e-10
     maxiter: int = 10000
     rho: Any = "auto"
 
     def __post_init__(self):
-        if self.rho != "auto" and not (IsNumber(self.rho) and 0 < self.rho < np.inf):
+        if not (isinstance(self.rho, str) and self.rho == "auto" or IsNumber(self.rho) and 0 < self.rho < np.inf):
             raise ProblemError(f"rho is {self.rho!r}; give 'auto' or a positive number")
         if not IsNumber(self.tol) or not 0 < self.tol < 1:
             raise ProblemError(f"tol is {self.tol!r}; give a number between 0 and 1")
-        if not isinstance(self.maxiter, int) or self.maxiter < 1:
+        if not isinstance(self.maxiter, Integral) or self.maxiter < 1:
             raise ProblemError(f"maxiter is {self.maxiter!r}; give a positive integer")
 
     def Solve(self, disc, *, callback=None):
@@ -64,6 +66,8 @@ class UzawaSolver:
         Raises NotConvergedError, with history, estimated contraction numbers and remedy, when the iterates cycle or the limit
         of iterations is reached; SolveInterrupted, with the last iterate, on Ctrl-C.
         """
+        if not isinstance(disc, Discretization):
+            raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
         run = _Run(self, disc)
         return Drive(self, disc, run.Iterates(), callback, run.Diagnose)
 
@@ -74,7 +78,7 @@ class _Run:
     def __init__(self, solver, disc):
         self.solver, self.disc, self.contact = solver, disc, disc.contact
         self.step = None        # s of rho="auto"
-        self.deepest = None     # largest penetration at each point over the last steps: the zone that is ever active
+        self.recent = []        # penetrations of the last steps
 
     def Iterates(self):
         contact = self.contact
@@ -84,11 +88,9 @@ class _Run:
         if self.solver.rho == "auto":
             self.step = self._AutomaticStep(contact.Penetration(u))
         multiplier = np.zeros_like(u)
-        recent = []
         while True:
             r = contact.Penetration(u)
-            recent = recent[-3:] + [r]
-            self.deepest = np.max(recent, axis=0)
+            self.recent = self.recent[-1:] + [r]
             bound = contact.Bound(r)
             multiplier = _OntoUnitBall(multiplier + (self._Rho(bound) * bound)[:, None] * contact.Tangential(u))
             traction = contact.Pressure(r)[:, None] * contact.normals + bound[:, None] * multiplier
@@ -106,17 +108,24 @@ class _Run:
         unit = EstimateContraction(self.disc, r, step=np.where(self.contact.Bound(r) > 0, 1.0, 0.0))
         return 0.9 * max(1 - unit.normal, 0.1) / unit.friction if unit.friction else 1.0
 
+    def _Contraction(self, r):
+        bound = self.contact.Bound(r)
+        return EstimateContraction(self.disc, r, step=self._Rho(bound) * bound ** 2)
+
     def Diagnose(self, reason):
         """Cause and remedy of a failure, and the contraction numbers at the last iterates."""
-        bound = self.contact.Bound(self.deepest)
-        number = EstimateContraction(self.disc, self.deepest, step=self._Rho(bound) * bound ** 2)
+        # A cycle visits zones that are never active together; the zone of one iterate tells more than their union.
+        number = max(map(self._Contraction, self.recent), key=lambda found: found.normal)
+        if number.normal < 1 and reason == "cycle":
+            number = self._Contraction(np.max(self.recent, axis=0))
         numbers = f"normal {number.normal:.3g}, friction {number.friction:.3g}, together they must be below 1"
         rho = f"rho={self.solver.rho!r}"
         if reason == "roundoff":
             return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", number
         if reason == "slow":
-            return (f"Uzawa converges too slowly with {rho} ({numbers}, and far below it is slow); raise maxiter, or take "
-                    "rho='auto'"), number
+            remedy = "" if self.step is not None else ", or take rho='auto'"
+            return (f"Uzawa converges too slowly with {rho} ({numbers}); large sticking zones are slow for every rho.  Remedy: "
+                    f"raise maxiter or tol{remedy}"), number
         if number.normal >= 1:
             return (f"Uzawa cannot converge for any rho: the contraction number |p_n' S_nn| is {number.normal:.3g} and must be "
                     "below 1, so the iterates cycle instead of settling.  Remedy: a foundation that is softer by this factor, "

@@ -1,0 +1,258 @@
+"""The liftings, and the four methods in their two forms: identities to round-off, exact solutions, balance, coercivity."""
+
+import numpy as np
+import pytest
+from conftest import Example, Interpolate
+from ngsolve import (CF, L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, Integrate, LinearForm, MatrixValued,
+                     VectorL2, ds, dx, specialcf, x, y, z)
+from ngsolve.meshes import MakeStructured3DMesh
+from test_forms import GRADED, Distorted, Ring, Spectrum
+
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, Lifting, NormalCompliance, ProblemError, TrescaFriction, UzawaSolver)
+from ngdgc.errors import EnergyError, L2Error, Rates
+from ngdgc.exact import AffinePatch, SmoothSlip
+from ngdgc.facetform import FacetForm
+from ngdgc.facets import Csr
+from ngdgc.meshes import RectangleMesh
+
+ROWS = (InteriorPenalty, BassiEtAl, BrezziEtAl, LDG)
+EIGHT = [row(form=form) for row in ROWS for form in ("edge", "lifting")]
+SOLVER = UzawaSolver(tol=1e-11)
+
+
+@pytest.fixture(params=EIGHT, ids=[f"{method.name}-{method.form}" for method in EIGHT])
+def eight(request):
+    return request.param
+
+
+def Cube(cells, n=1):
+    return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=n, ny=n, nz=n)
+
+
+def Random(space):
+    function = GridFunction(space)
+    function.vec.FV().NumPy()[:] = np.random.default_rng(3).standard_normal(space.ndof)
+    return function
+
+
+@pytest.mark.parametrize("order, liftorder", [(1, 0), (1, 1), (2, 1), (2, 3)])
+def test_global_lifting_against_its_definition_solved_densely(order, liftorder):
+    """(3.2) on eight triangles: M_Q r_0 = - int_E0 [u]:{q}, the right-hand side from NGSolve's own skeleton integrals."""
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(2), order=order)
+    lifting = Lifting(disc, order=liftorder)
+    u, n = Random(disc.space), specialcf.normal(2)
+    space = MatrixValued(L2(disc.mesh, order=liftorder, dgjumps=True), symmetric=True)
+    p, q = space.TnT()
+    mass = BilinearForm(InnerProduct(p, q) * dx).Assemble()
+    right = LinearForm(space)
+    right += -0.5 * ((q + q.Other()) * n) * (u - u.Other()) * dx(skeleton=True)
+    right += -(q * n) * u * ds(skeleton=True, definedon=disc.mesh.Boundaries("right"))
+    expected = np.linalg.solve(Csr(mass.mat).toarray(), right.Assemble().vec.FV().NumPy())
+    lifted = lifting.Global(u).vec.FV().NumPy()
+    assert lifted == pytest.approx(expected, abs=1e-11 * np.abs(expected).max())
+    assert np.abs(lifted + expected).max() > np.abs(expected).max()     # the sign matters
+
+
+@pytest.mark.parametrize("mesh", [RectangleMesh(2), RectangleMesh(2, cells="quad"), Distorted("triangle")],
+                         ids=["triangles", "quads", "unstructured"])
+def test_local_liftings_live_at_their_facet_and_add_up(mesh):
+    disc = Discretization(Example(), InteriorPenalty(), mesh, order=2)
+    lifting, u = Lifting(disc), Random(disc.space)
+    total = np.zeros(lifting.space.ndof)
+    incidence = disc.facets.incidence
+    for facet in range(incidence.shape[0]):
+        local = lifting.Local(u, facet).vec.FV().NumPy()
+        total += local
+        near = set(incidence.indices[incidence.indptr[facet]:incidence.indptr[facet + 1]].tolist())
+        touched = {element for element in range(mesh.ne)
+                   if np.any(np.abs(local[list(lifting.space.GetDofNrs(ElementId(VOL, element)))]) > 1e-12)}
+        assert touched <= near
+        assert bool(touched) == bool(lifting.operators.share[facet])
+    assert total == pytest.approx(lifting.Global(u).vec.FV().NumPy(), abs=1e-11)
+
+
+def test_lifting_of_a_continuous_function_vanishes():
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(3), order=2)
+    function = GridFunction(disc.space)
+    function.vec.FV().NumPy()[:] = Interpolate(disc, CF((1 - x, x * y - y)))        # zero on Gamma_D, x = 1
+    assert np.abs(Lifting(disc).Global(function).vec.FV().NumPy()).max() < 1e-12
+    function.vec.FV().NumPy()[:] = Interpolate(disc, CF((x, y)))
+    assert np.abs(Lifting(disc).Global(function).vec.FV().NumPy()).max() > 0.1
+
+
+def Relative(a, b):
+    return abs(Csr(a.form.Matrix()) - Csr(b.form.Matrix())).max() / abs(Csr(a.form.Matrix())).max()
+
+
+def Meshes():
+    return {"triangle": Distorted("triangle"), "quad": RectangleMesh(2, cells="quad", upper=(1, 0.4)), "tet": Cube("tet"),
+            "hex": Cube("hex"), "prism": Cube("prism")}
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("name", Meshes())
+def test_edge_form_is_lifting_form_is_skeleton_form(name, order):
+    """On simplices and parallelograms, constant C; IP against NGSolve's symbolic skeleton form as well."""
+    mesh = Meshes()[name]
+    dirichlet = {"right": CF((0,) * mesh.dim)}
+    problem = ContactProblem(HookeMaterial(E=2000, nu=0.4), Foundation("bottom", NormalCompliance(1)), dirichlet=dirichlet,
+                             roller={"left": 0})
+    for row in ROWS:
+        edge, lifting = (Discretization(problem, row(form=form), mesh, order=order) for form in ("edge", "lifting"))
+        assert Relative(edge, lifting) < 1e-12
+    assert Relative(Discretization(problem, InteriorPenalty(), mesh, order=order),
+                    Discretization(problem, BassiEtAl(), mesh, order=order)) > 1e-3
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("liftorder", [1, 2])
+def test_lifting_terms_against_skeleton_integrals(order, liftorder):
+    """LDG - IP and Brezzi - Bassi are (C r_0, r_0), built here from a mixed skeleton form and a dense mass."""
+    mesh, problem = RectangleMesh(2), Example()
+    V = VectorL2(mesh, order=order, dgjumps=True)
+    Q = MatrixValued(L2(mesh, order=liftorder, dgjumps=True), symmetric=True)
+    u, q, p, n = V.TrialFunction(), Q.TestFunction(), Q.TrialFunction(), specialcf.normal(2)
+    jump = BilinearForm(trialspace=V, testspace=Q)
+    jump += -0.5 * ((q + q.Other()) * n) * (u - u.Other()) * dx(skeleton=True)
+    jump += -(q * n) * u * ds(skeleton=True, definedon=mesh.Boundaries("right"))
+    mass, weighted = (Csr(BilinearForm(InnerProduct(stress, q) * dx).Assemble().mat).toarray()
+                      for stress in (p, problem.material.Stress(p)))
+    lift = np.linalg.solve(mass, Csr(jump.Assemble().mat).toarray())
+    expected = lift.T @ weighted @ lift
+
+    def Matrix(method):
+        return Csr(Discretization(problem, method, mesh, order=order).form.Matrix()).toarray()
+
+    options = {"form": "lifting", "liftorder": liftorder}
+    for more, less in ((LDG, InteriorPenalty), (BrezziEtAl, BassiEtAl)):
+        difference = Matrix(more(**options)) - Matrix(less(**options))
+        assert np.abs(difference - expected).max() < 1e-12 * np.abs(expected).max()
+
+
+@pytest.mark.parametrize("cells", ["triangle", "quad"])
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("zone", ["slip", "stick", "open"])
+def test_affine_patch(zone, order, cells, eight):
+    exact = AffinePatch(zone, sides="roller")
+    solution = SOLVER.Solve(Discretization(exact.problem, eight, RectangleMesh(2, cells=cells), order=order))
+    assert L2Error(solution, exact.displacement) < 1e-10
+    assert np.abs(solution.ElementImbalance()).max() < 1e-10 and solution.GlobalImbalance() < 1e-10
+    other = AffinePatch(zone, sides="roller", gap=0.11)
+    assert L2Error(solution, other.displacement) > 1e-3
+
+
+@pytest.mark.parametrize("cells", ["tet", "hex", "prism"])
+def test_affine_patch_in_three_dimensions(cells, eight):
+    mu, lam, k, w, gap, bound = 1000.0, 1500.0, 100.0, 0.3, 0.1, 3.0
+    e, s = k * (w - gap) / (lam + 2 * mu), bound / mu
+    u = CF((0.6 * (0.1 + s * z), 0.8 * (0.1 + s * z), -w - e * z))
+    foundation = Foundation("bottom", NormalCompliance(k), friction=TrescaFriction(bound), gap=gap)
+    problem = ContactProblem(HookeMaterial(mu=mu, lam=lam), foundation, dirichlet={"left|right|front|back|top": u})
+    solution = SOLVER.Solve(Discretization(problem, eight, Cube(cells, 2), order=1))
+    difference = solution.gfu - u
+    assert np.sqrt(Integrate(InnerProduct(difference, difference), solution.disc.mesh)) < 1e-10
+    assert solution.ZoneLengths()["slip"] == pytest.approx(1)
+    assert np.abs(solution.ElementImbalance()).max() < 1e-10
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("method", [row(form="lifting") for row in ROWS], ids=[row.__name__ for row in ROWS])
+def test_smooth_slip_converges_at_full_rates(method, order):
+    exact, energy, l2 = SmoothSlip(), [], []
+    for n in (4, 8):
+        solution = UzawaSolver(tol=1e-10).Solve(Discretization(exact.problem, method, RectangleMesh(n), order=order))
+        energy.append(EnergyError(solution, exact.displacement))
+        l2.append(L2Error(solution, exact.displacement))
+    assert Rates(energy)[0] == pytest.approx(order, abs=0.15)
+    assert Rates(l2)[0] == pytest.approx(order + 1, abs=0.2)
+    assert energy[-1] < 2 * 0.125 ** order
+
+
+@pytest.mark.parametrize("mesh, material", [(Distorted("quad"), None), (Distorted("triangle"), GRADED), (Ring(3, 0.5), None)],
+                         ids=["bilinear", "graded", "curved"])
+def test_balance_where_the_two_forms_differ(mesh, material, eight):
+    """Stress not in Q_h: each form balances with its own flux."""
+    regions = {"dirichlet": {"right": CF((0.01 * y, 0.02))}, "roller": {"top": -0.01 * x}, "traction": {"left": CF((10, -5))}}
+    bottom = "bottom"
+    if "inner" in mesh.GetBoundaries():
+        regions, bottom = {"roller": {"horizontal|vertical": 0}, "traction": {"inner": CF((30 * x, 40 * y))}}, "outer"
+    problem = ContactProblem(material or HookeMaterial(E=200, nu=0.3),
+                             Foundation(bottom, NormalCompliance(10), friction=TrescaFriction(0.2)),
+                             bodyforce=CF((x, -y)), **regions)
+    solution = UzawaSolver().Solve(Discretization(problem, eight, mesh, order=3))
+    assert np.abs(solution.ElementImbalance()).max() < 1e-10
+
+
+def test_a_flux_without_stabilisation_does_not_balance(eight, monkeypatch):
+    solution = UzawaSolver().Solve(Discretization(Example(), eight, Distorted("triangle"), order=1))
+    assert np.abs(solution.ElementImbalance()).max() < 1e-10
+    if isinstance(solution.disc.form, FacetForm):       # the symbolic form has its own control in test_balance
+        solution.disc.form.sigma = 0 * solution.disc.form.sigma
+        assert np.abs(solution.ElementImbalance()).max() > 1e-3
+
+
+def Threshold(row, mesh, order, **options):
+    """The critical penalty by bisection on the sign of the smallest eigenvalue."""
+    low, high = 1e-3, 40.0
+    for _ in range(14):
+        middle = np.sqrt(low * high)
+        problem = Example() if mesh.dim == 2 else ContactProblem(
+            HookeMaterial(E=2000, nu=0.4), Foundation("bottom", NormalCompliance(1)), dirichlet={"right": CF((0, 0, 0))})
+        coercive = Spectrum(Discretization(problem, row(penalty=middle, **options), mesh, order=order)) > 0
+        low, high = (low, middle) if coercive else (middle, high)
+    return high
+
+
+def test_bassi_needs_at_most_the_number_of_facets():
+    """Critical eta below 3 on triangles and 4 on tetrahedra; near 2 for k = 2, l = 1 and 1 for l = k on a 4 x 4 mesh."""
+    assert 1.5 < Threshold(BassiEtAl, RectangleMesh(4), 2, liftorder=1) < 2.5
+    assert 0.5 < Threshold(BassiEtAl, RectangleMesh(4), 2) < 1.5
+    assert Threshold(BassiEtAl, Distorted("triangle"), 1) < 3
+    assert Threshold(BassiEtAl, Cube("tet", 2), 1) < 4
+
+
+@pytest.mark.parametrize("row", [BrezziEtAl, LDG])
+def test_brezzi_and_ldg_are_coercive_for_any_penalty(row):
+    for order in (1, 2):
+        assert Spectrum(Discretization(Example(), row(penalty=1e-6), RectangleMesh(3), order=order)) > 0
+    assert Spectrum(Discretization(Example(), InteriorPenalty(penalty=1), RectangleMesh(3), order=1)) < 0
+
+
+def test_constant_liftings_make_bassi_and_brezzi_singular_and_are_refused():
+    for row in (BassiEtAl, BrezziEtAl):
+        with pytest.raises(ProblemError, match="liftorder=0 makes .* singular"):
+            row(liftorder=0)
+    # The matrix itself, from the operators: a zero eigenvalue for every eta.
+    disc = Discretization(Example(), BassiEtAl(), RectangleMesh(4), order=1)
+    operators = Lifting(disc, order=0).operators
+    jumps = operators.inverseMF @ operators.J
+    consistency = jumps.T @ operators.S
+    for eta in (4, 400):
+        matrix = (operators.K - consistency - consistency.T + eta * jumps.T @ operators.localG @ jumps).toarray()
+        values = np.linalg.eigvalsh(matrix)
+        assert abs(values[0]) < 1e-10 * values[-1]
+
+
+def test_coercivity_of_bassi_is_checked():
+    with pytest.raises(ProblemError, match="penalty=0.3 loses coercivity"):
+        UzawaSolver().Solve(Discretization(Example(), BassiEtAl(penalty=0.3), RectangleMesh(4), order=2))
+    assert UzawaSolver().Solve(Discretization(Example(), BassiEtAl(penalty=2), RectangleMesh(4), order=2)).converged
+
+
+def test_methods_agree_on_the_example():
+    """All eight forms and H1 approximate the same problem."""
+    energies = [UzawaSolver().Solve(Discretization(Example(), method, RectangleMesh(8), order=2)).energy
+                for method in (*EIGHT, Conforming())]
+    assert np.ptp(energies) < 0.01 * np.mean(energies) and np.ptp(energies) > 0
+
+
+@pytest.mark.parametrize("arguments, culprit", [({"form": "both"}, "form is 'both'"), ({"liftorder": -1}, "liftorder is -1"),
+                                                ({"penalty": 0}, "penalty is 0"), ({"liftorder": 1.5}, "liftorder is 1.5")])
+def test_bad_arguments(arguments, culprit):
+    with pytest.raises(ProblemError, match=culprit):
+        LDG(**arguments)
+    with pytest.raises(ProblemError, match="no jumps to lift"):
+        Lifting(Discretization(Example(), Conforming(), RectangleMesh(2), order=1))
+    with pytest.raises(ProblemError, match="order is -1"):
+        Lifting(Discretization(Example(), LDG(), RectangleMesh(2), order=1), order=-1)

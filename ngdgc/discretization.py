@@ -136,7 +136,11 @@ class Discretization:
         """u with B_h(u, v) = (f, v): the response to the loads without foundation, (ndof,)."""
         lift = self.prescribed
         load = self.load - self.Multiply(lift) if np.any(lift) else self.load
-        return lift + self.Solve(load)
+        free = lift + self.Solve(load)
+        if not np.all(np.isfinite(free)):
+            raise ProblemError("the elastic matrix cannot be factorised: the response to the loads is not finite; look for "
+                               "coefficients of extreme size and for degenerate elements")
+        return free
 
     def Response(self, traction):
         """S t = A^-1 T' W t, the displacement caused by a traction t (n, d) on Gamma_C, as coefficients (ndof,)."""

@@ -43,6 +43,9 @@ class DiscontinuousGalerkin:
             raise ProblemError(f"form is {self.form!r}; choose 'edge' or 'lifting'")
         if self.liftorder is not None and (not isinstance(self.liftorder, int) or self.liftorder < 0):
             raise ProblemError(f"liftorder is {self.liftorder!r}; it must be an integer of at least 0")
+        liftless = self.form == "edge" and self.stabilisation == "jump" and not self.globallift
+        if self.liftorder is not None and liftless:
+            raise ProblemError(f"liftorder={self.liftorder} does not apply to the edge form of {self.name}: it lifts nothing")
         if self.liftorder == 0 and self.stabilisation == "lifting":
             raise ProblemError(f"liftorder=0 makes {self.name} singular for every penalty: r_e with constants sees only the "
                                "mean of a jump, so jumps of mean zero cost nothing; take liftorder >= 1, by default the order")

@@ -5,6 +5,7 @@ import pytest
 import scipy.linalg
 from conftest import Example, Interpolate, Residual
 from netgen.geom2d import SplineGeometry
+from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, ConvertOperator, Grad, GridFunction, InnerProduct, Integrate, Mesh, sin, specialcf, x, y
 from ngsolve.meshes import MakeStructured2DMesh
 
@@ -24,8 +25,25 @@ ORTHOTROPIC = AnisotropicMaterial([[300, 80, 20], [80, 150, -10], [20, -10, 60]]
 GRADED = HookeMaterial(mu=50 * (1 + x + 2 * y), lam=80 * (2 - x * y))
 
 
+def Mixed():
+    """The unit square from two rectangles on the left and two triangles on the right."""
+    mesh = NetgenMesh()
+    mesh.dim = 2
+    mesh.AddPoints(np.array([[0, 0, 0], [0.6, 0, 0], [1, 0, 0], [0, 0.5, 0], [0.6, 0.5, 0], [0, 1, 0], [0.6, 1, 0], [1, 1, 0]],
+                            dtype=float))
+    domain = mesh.AddRegion("domain", dim=2)
+    mesh.AddElements(dim=2, index=domain, data=np.array([[0, 1, 4, 3], [3, 4, 6, 5]], dtype=np.int32), base=0)
+    mesh.AddElements(dim=2, index=domain, data=np.array([[1, 2, 4], [4, 2, 7], [4, 7, 6]], dtype=np.int32), base=0)
+    sides = {"bottom": [[0, 1], [1, 2]], "right": [[2, 7]], "top": [[7, 6], [6, 5]], "left": [[5, 3], [3, 0]]}
+    for name, edges in sides.items():
+        mesh.AddElements(dim=1, index=mesh.AddRegion(name, dim=1), data=np.array(edges, dtype=np.int32), base=0)
+    return Mesh(mesh)
+
+
 def Distorted(cells):
-    """Unstructured triangles, or quadrilaterals that are no parallelograms."""
+    """Unstructured triangles, or quadrilaterals that are no parallelograms, or a mixed mesh."""
+    if cells == "mixed":
+        return Mixed()
     if cells == "quad":
         return MakeStructured2DMesh(quads=True, nx=3, ny=3, mapping=lambda s, t: (s + 0.1 * t * (1 - t), t * (1 - 0.2 * s)))
     geometry = SplineGeometry()
@@ -35,7 +53,7 @@ def Distorted(cells):
 
 @pytest.mark.parametrize("material", [HookeMaterial(mu=50, lam=80), ORTHOTROPIC, GRADED],
                          ids=["hooke", "anisotropic", "graded"])
-@pytest.mark.parametrize("cells", ["triangle", "quad"])
+@pytest.mark.parametrize("cells", ["triangle", "quad", "mixed"])
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_polynomials_of_the_degree_are_returned(order, cells, material, method):
     """Non-homogeneous Dirichlet data and tractions, unstructured meshes, varying C: u of degree k is the solution."""

@@ -86,8 +86,9 @@ def Relative(a, b):
 
 
 def Meshes():
-    return {"triangle": Distorted("triangle"), "quad": RectangleMesh(2, cells="quad", upper=(1, 0.4)), "tet": Cube("tet"),
-            "hex": Cube("hex"), "prism": Cube("prism")}
+    return {"triangle": Distorted("triangle"), "mixed": Distorted("mixed"),
+            "quad": RectangleMesh(2, cells="quad", upper=(1, 0.4)), "tet": Cube("tet"), "hex": Cube("hex"),
+            "prism": Cube("prism")}
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
@@ -130,12 +131,12 @@ def test_lifting_terms_against_skeleton_integrals(order, liftorder):
         assert np.abs(difference - expected).max() < 1e-12 * np.abs(expected).max()
 
 
-@pytest.mark.parametrize("cells", ["triangle", "quad"])
-@pytest.mark.parametrize("order", [1, 2, 3])
-@pytest.mark.parametrize("zone", ["slip", "stick", "open"])
+@pytest.mark.parametrize("cells", ["triangle", "quad", "mixed"])
+@pytest.mark.parametrize("zone, order", [("slip", 1), ("slip", 3), ("slip", 4), ("stick", 1), ("stick", 2), ("open", 2)])
 def test_affine_patch(zone, order, cells, eight):
     exact = AffinePatch(zone, sides="roller")
-    solution = SOLVER.Solve(Discretization(exact.problem, eight, RectangleMesh(2, cells=cells), order=order))
+    mesh = Distorted("mixed") if cells == "mixed" else RectangleMesh(2, cells=cells)
+    solution = SOLVER.Solve(Discretization(exact.problem, eight, mesh, order=order))
     assert L2Error(solution, exact.displacement) < 1e-10
     assert np.abs(solution.ElementImbalance()).max() < 1e-10 and solution.GlobalImbalance() < 1e-10
     other = AffinePatch(zone, sides="roller", gap=0.11)
@@ -252,6 +253,8 @@ def test_methods_agree_on_the_example():
 def test_bad_arguments(arguments, culprit):
     with pytest.raises(ProblemError, match=culprit):
         LDG(**arguments)
+    with pytest.raises(ProblemError, match="does not apply to the edge form of IP"):
+        InteriorPenalty(liftorder=1)
     with pytest.raises(ProblemError, match="no jumps to lift"):
         Lifting(Discretization(Example(), Conforming(), RectangleMesh(2), order=1))
     with pytest.raises(ProblemError, match="order is -1"):

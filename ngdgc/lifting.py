@@ -44,9 +44,9 @@ class FacetOperators:
         self.liftings = MatrixValued(L2(mesh, order=liftorder), symmetric=True)
         scalar = FacetFESpace(mesh, order=order)
         self.traces = scalar ** dim
-        kind = EDGE if dim == 2 else FACE
+        kind, ndof = EDGE if dim == 2 else FACE, scalar.ndof
         numbers = [np.array(scalar.GetDofNrs(NodeId(kind, facet))) for facet in range(len(share))]
-        self.tracedofs = [np.concatenate([dofs + i * scalar.ndof for i in range(dim)]) for dofs in numbers]
+        self.tracedofs = [np.concatenate([dofs + i * ndof for i in range(dim)]) for dofs in numbers]
         self.facetof = np.empty(self.traces.ndof, dtype=int)
         for facet, dofs in enumerate(self.tracedofs):
             self.facetof[dofs] = facet

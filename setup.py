@@ -1,6 +1,10 @@
+import shutil
 from pathlib import Path
 
 from setuptools import setup
+
+# setuptools installs whatever an earlier build left here, also modules that have moved since.
+shutil.rmtree(Path(__file__).with_name("build"), ignore_errors=True)
 
 setup(
     name="ngdgc",

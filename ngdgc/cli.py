@@ -52,7 +52,8 @@ def _Parser():
     listing.set_defaults(command=ListCases)
     table = commands.add_parser("table3", help="print Table 3 of the paper, in both protocols, beside our numbers")
     table.add_argument("--n", type=_Positive, default=128, help="reference mesh 1/n (default 128, the paper's)")
-    table.add_argument("--page", metavar="FILE", help="also write the documentation page to FILE")
+    table.add_argument("--page", metavar="FILE", default="docs/table3.md" if Path("docs").is_dir() else None,
+                       help="the documentation page to write (default docs/table3.md, in a checkout)")
     table.set_defaults(command=Table3)
     return parser
 
@@ -206,7 +207,11 @@ def Table3(options):
     study = Study(n=options.n, callback=lambda line: print(line, file=sys.stderr, flush=True))
     print(Text(study))
     if options.page:
-        Path(options.page).write_text(Page(study), encoding="utf-8")
+        try:
+            Path(options.page).write_text(Page(study), encoding="utf-8")
+        except OSError as error:
+            raise ProblemError(f"cannot write {options.page}: {error.strerror}") from error
+        print(f"\nwritten to {options.page}")
     return 0
 
 

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from conftest import Example, Interpolate, Residual
+from conftest import METHODS, Example, Interpolate, Residual
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import CF, ConvertOperator, Grad, GridFunction, InnerProduct, Integrate, Mesh, sin, specialcf, x, y
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, UzawaSolver)
+from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization,
+                   Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, UzawaSolver)
 from ngdgc.elasticity import Strain
 from ngdgc.exact import BodyForce, Traction
 from ngdgc.facets import BoundaryQuadrature, Csr
@@ -203,6 +203,7 @@ def Ring(order, maxh):
     return Mesh(geometry.GenerateMesh(maxh=maxh)).Curve(order)
 
 
+@pytest.mark.parametrize("method", [*METHODS, BassiEtAl(form="lifting"), BrezziEtAl(), LDG(), LDG(form="lifting")], ids=repr)
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_lame_ring_with_curved_rollers_and_curved_contact(contact, method):
     """u_r = A r + B/r between a curved roller and a foundation around (or inside) the ring, full rate on curved elements."""

@@ -178,6 +178,23 @@ def test_contraction_number_of_zones_that_are_never_active_together():
     assert 1 < failure.value.contraction.normal < 1.7
 
 
+def test_a_body_moved_by_its_foundation_alone_is_no_blow_up():
+    """It starts inside the foundation, and its loads are round-off: the displacement grows from 1e-19 to 1e-3."""
+    foundation = Foundation("bottom", NormalCompliance(300), gap=-0.05)
+    problem = Example(foundation=foundation, traction={"left": CF((1e-16, 0))})
+    solution = UzawaSolver().Solve(Discretization(problem, Conforming(), RectangleMesh(4), order=1))
+    assert solution.converged and np.abs(solution.displacement).max() > 1e-3
+
+
+def test_stiffness_far_beyond_the_limit_is_recognised_before_anything_overflows():
+    for exponent in (1, 3):
+        foundation = Foundation("bottom", NormalCompliance(1e12, exponent))
+        problem = replace(example_4_2.Problem(), foundation=foundation)
+        with pytest.raises(NotConvergedError, match="cannot converge for any rho") as failure:
+            UzawaSolver().Solve(Discretization(problem, Conforming(), example_4_2.Mesh(8), order=1))
+        assert np.all(np.isfinite(failure.value.solution.vector)) and len(failure.value.history) <= 50
+
+
 def test_only_a_discretisation_can_be_solved():
     with pytest.raises(ProblemError, match="give Discretization"):
         UzawaSolver().Solve(Example())

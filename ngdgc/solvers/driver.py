@@ -69,7 +69,7 @@ def Drive(solver, disc, iterates, callback, Diagnose):
                 if callback is not None:
                     callback(history[-1])
             positions = positions[-WINDOW:] + [iterate.displacement]
-            reason = _Verdict(solver, history, positions)
+            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0))
             if reason == "converged":
                 return Solution(True)
             if reason:
@@ -81,14 +81,14 @@ def Drive(solver, disc, iterates, callback, Diagnose):
         raise SolveInterrupted(Solution(False)) from interrupt
 
 
-def _Verdict(solver, history, positions):
-    """None to go on, "converged", or the reason to give up."""
+def _Verdict(solver, history, positions, gap):
+    """None to go on, "converged", or the reason to give up; `gap` is a length that a body may be moved by, whatever its loads."""
     if not history:
         return None
     last = history[-1]
     if last.change <= solver.tol and last.residual <= solver.tol:
         return "converged"
-    if len(positions) > 1 and Scale(positions[-1]) > BLOWUP * Scale(positions[0]):
+    if Scale(positions[-1]) > BLOWUP * max(Scale(positions[0]), gap):
         return "cycle"
     if not _Progresses(history) and not _GoesSomewhere(positions[-WINDOW - 1:]):
         return "roundoff" if max(step.change for step in history[-WINDOW:]) < ROUNDOFF else "cycle"

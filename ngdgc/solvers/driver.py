@@ -82,7 +82,10 @@ def Drive(solver, disc, iterates, callback, Diagnose):
 
 
 def _Verdict(solver, history, positions, gap):
-    """None to go on, "converged", or the reason to give up; `gap` is a length that a body may be moved by, whatever its loads."""
+    """None to go on, "converged", or the reason to give up.
+
+    `gap` is a length by which a foundation may move the body, whatever its loads.
+    """
     if not history:
         return None
     last = history[-1]

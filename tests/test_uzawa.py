@@ -204,10 +204,9 @@ def test_small_rho_does_not_stop_early():
     """u hardly moves while lambda crawls: the law residual keeps the iteration going until it is true."""
     exact = AffinePatch("slip", bound=1.0)
     disc = Discretization(exact.problem, InteriorPenalty(), RectangleMesh(2), order=1)
-    auto = UzawaSolver(tol=1e-6).Solve(disc)
-    slow = UzawaSolver(tol=1e-6, rho=0.05).Solve(disc)
-    assert len(slow.history) > 5 * len(auto.history)
-    assert slow.displacement == pytest.approx(auto.displacement, rel=1e-4)
+    slow = UzawaSolver(tol=1e-4, rho=0.01).Solve(disc)
+    assert slow.history[20].change < 1e-4 < slow.history[20].residual       # by its change alone it would have stopped
+    assert np.linalg.norm(slow.friction, axis=1) == pytest.approx(1.0, rel=1e-3)
 
 
 def test_two_step_limit_raises_with_everything_in_the_error():

@@ -200,6 +200,18 @@ def test_only_a_discretisation_can_be_solved():
         UzawaSolver().Solve(Example())
 
 
+def test_automatic_rho_leaves_room_for_the_normal_part():
+    """k_n near its limit and a sticking zone: the rule converges, the step that |S_tt| alone allows does not."""
+    bound = 1000.0
+    disc = Discretization(Example(750.0, friction=bound), Conforming(), RectangleMesh(4), order=1)
+    solution = UzawaSolver(tol=1e-8).Solve(disc)
+    assert solution.ZoneLengths()["stick"] > 0.5
+    unit = EstimateContraction(disc, solution.penetration, step=1.0)
+    assert unit.normal > 0.8
+    with pytest.raises(NotConvergedError, match="too large"):
+        UzawaSolver(tol=1e-8, rho=0.9 / unit.friction / bound ** 2).Solve(disc)
+
+
 def test_small_rho_does_not_stop_early():
     """u hardly moves while lambda crawls: the law residual keeps the iteration going until it is true."""
     exact = AffinePatch("slip", bound=1.0)

@@ -207,7 +207,7 @@ def test_automatic_rho_leaves_room_for_the_normal_part():
     solution = UzawaSolver(tol=1e-8).Solve(disc)
     assert solution.ZoneLengths()["stick"] > 0.5
     unit = EstimateContraction(disc, solution.penetration, step=1.0)
-    assert unit.normal > 0.8
+    assert 0.7 < unit.normal < 1
     with pytest.raises(NotConvergedError, match="too large"):
         UzawaSolver(tol=1e-8, rho=0.9 / unit.friction / bound ** 2).Solve(disc)
 

@@ -7,8 +7,8 @@ import pytest
 from conftest import Example
 from test_contact import Plate
 
-from ngdgc import (ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
-                   NormalCompliance, ProblemError, UzawaSolver)
+from ngdgc import (Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
+                   HookeMaterial, NormalCompliance, ProblemError, UzawaSolver)
 from ngdgc.meshes import RectangleMesh
 
 PLATE = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("hole", NormalCompliance(50), friction=CoulombFriction(0.2)),
@@ -69,3 +69,13 @@ def test_report_says_what_a_person_asks(method):
     assert ("worst element" in text) == method.discontinuous
     assert ("integrated sigma n" in text) != method.discontinuous
     assert max(map(len, text.splitlines())) <= 100
+
+
+def test_pickled_objects_are_never_read(tmp_path):
+    """A file that holds one is refused, whoever wrote it."""
+    UzawaSolver().Solve(Discretization(Example(), Conforming(), RectangleMesh(2), order=1)).Save(tmp_path)
+    with np.load(tmp_path / "fields.npz") as fields:
+        arrays = dict(fields)
+    np.savez(tmp_path / "fields.npz", **{**arrays, "vector": np.array([{}, None], dtype=object)})
+    with pytest.raises(ProblemError, match="holds no saved solution.*allow_pickle"):
+        ContactSolution.Load(tmp_path, Example())

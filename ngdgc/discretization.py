@@ -37,7 +37,7 @@ class Discretization:
     solves : how often the inverse was applied
     """
 
-    def __init__(self, problem, method, mesh, *, order=1):
+    def __init__(self, problem, method, mesh, *, order=1, assembly="facet"):
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
         if isinstance(method, type) or not hasattr(method, "Form"):
@@ -45,8 +45,10 @@ class Discretization:
         if isinstance(order, bool) or not isinstance(order, (int, np.integer)) or order < 1:
             raise ProblemError(f"order is {order!r}; it must be an integer of at least 1, "
                                "piecewise constants carry no strain")
+        if assembly not in ("facet", "skeleton"):
+            raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
         CheckMesh(problem, mesh)
-        self.problem, self.method, self.mesh, self.order = problem, method, mesh, int(order)
+        self.problem, self.method, self.mesh, self.order, self.assembly = problem, method, mesh, int(order), assembly
         self.facets = Facets(mesh)
         CheckProblem(problem, mesh, self.facets)
         self.unresisted = UnresistedMotion(problem, self.facets)
@@ -61,7 +63,7 @@ class Discretization:
     @cached_property
     def form(self):
         """B_h of the method, before assembly."""
-        return self.method.Form(self.problem, self.facets, self.space, self.order)
+        return self.method.Form(self.problem, self.facets, self.space, self.order, self.assembly)
 
     @cached_property
     def matrix(self):

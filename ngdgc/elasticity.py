@@ -15,6 +15,22 @@ def Strain(u):
     return Sym(Grad(u))
 
 
+def StiffnessAt(material, points, dim):
+    """C_ijkl at mesh points, (npoints, d, d, d, d) [stress]; ProblemError if it is not finite."""
+    C = np.empty((len(points), dim, dim, dim, dim))
+    for k in range(dim):
+        for m in range(k, dim):
+            unit = np.zeros((dim, dim))
+            unit[k, m] += 0.5
+            unit[m, k] += 0.5
+            stress = material.Stress(CF(tuple(unit.ravel()), dims=(dim, dim)))
+            C[..., k, m] = C[..., m, k] = np.asarray(stress(points)).reshape(-1, dim, dim)
+    if not np.all(np.isfinite(C)):
+        raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
+                           "division by zero or a root of a negative number")
+    return C
+
+
 @dataclass(frozen=True, kw_only=True)
 class HookeMaterial:
     """Isotropic material, C eps = lam tr(eps) I + 2 mu eps.

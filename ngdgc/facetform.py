@@ -1,73 +1,144 @@
-"""The bilinear forms of Table 2 from facet operators: one formula, one facet matrix Sigma for each method.
+"""The bilinear forms of Table 2 on facet operators: one formula, one facet matrix Sigma for each method.
 
-    B_h = K - J' M_F^-1 S - S' M_F^-1 J + J' M_F^-1 Sigma M_F^-1 J,     flux = M_F^-1 (S u - Sigma M_F^-1 (J u - g_D))
+    B_h = K - J' M_F^-1 S - theta S' M_F^-1 J + J' M_F^-1 Sigma M_F^-1 J + (C r_0[u], r_0[v])
 
-in the edge form; the lifting form has N M_Q^-1 R in place of S.  The flux is the traction {C eps(u)} n - ... of Table 1 on each
-facet, for the orientation of the facet, as a function in F_h.
+in the edge form; the lifting form has N M_Q^-1 R in place of S.  theta = 1 makes the form symmetric; the last term belongs to
+the methods with a global lifting only.  The numerical flux of Table 1, for the orientation of the facet, is the function
+
+    sigma_hat n = M_F^-1 (S u - Sigma M_F^-1 (J u - g_D) - G M_F^-1 (J u - g_D))        in F_h.
+
+Every matrix is built, and every vector computed, from batches of blocks on facets and elements (`operators` module).
 """
 
 import numpy as np
 from ngsolve import GridFunction, LinearForm, ds
-from ngsolve.la import SparseMatrixd
 
 from .coefficients import Unfolded
 
 
 class FacetForm:
-    """B_h of a method on the facet operators.
+    """B_h of a method.
 
-    operators : FacetOperators;  sigma : the facet matrix, F_h x F_h;  lifted : True for the lifting form
+    operators : FacetOperators;  lifted : True for the lifting form;  globallift : True with (C r_0[u], r_0[v])
+    rule : the penalty of the jumps (`penalty` module), or None for eta sum_e (C r_e[u], r_e[v]);  theta : 1 if symmetric
     bound : the form is coercive if it is below 1; infinite where no element-wise bound is known
     """
 
-    def __init__(self, problem, space, operators, sigma, *, lifted, bound):
-        self.problem, self.space, self.operators = problem, space, operators
-        self.sigma, self.bound = sigma, bound
-        self.tractions = operators.projectedS if lifted else operators.S
-        self.jumps = operators.inverseMF @ operators.J
+    def __init__(self, problem, space, operators, *, rule, eta, lifted, globallift, theta, bound):
+        self.problem, self.space, self.operators, self.rule, self.eta = problem, space, operators, rule, eta
+        self.lifted, self.globallift, self.theta, self.bound = lifted, globallift, theta, bound
+
+    def FacetMatrix(self, patch):
+        """Sigma of a batch of facets, (n, r, r)."""
+        return self.rule.FacetMatrix(patch) if self.rule else self.eta * self.operators.LocalEnergy(patch)
 
     def Matrix(self):
         """The matrix of B_h."""
-        consistency = self.jumps.T @ self.tractions
-        return self._Native(self.operators.K - consistency - consistency.T + self._Stabilisation())
+        return self._Assemble(consistency=True)
 
     def Norm(self):
-        """The matrix of g_h + Sigma(J u, J v), against which coercivity is measured."""
-        return self._Native(self.operators.K + self._Stabilisation())
+        """The matrix of g_h + Sigma(J u, J v) + (C r_0, r_0), against which coercivity is measured."""
+        return self._Assemble(consistency=False)
 
-    def _Stabilisation(self):
-        return self.jumps.T @ self.sigma @ self.jumps
-
-    @staticmethod
-    def _Native(matrix):
-        entries = matrix.tocoo()
-        return SparseMatrixd.CreateFromCOO(entries.row, entries.col, entries.data, *matrix.shape)
+    def _Assemble(self, consistency):
+        operators = self.operators
+        matrix = operators.Matrix(self.space, reach=2 if self.globallift else 1)
+        for cells in operators.cells:
+            matrix.Add(cells.elements[:, None], cells.energy)
+        for patch in operators.FacetPatches():
+            jumps = operators.Jumps(patch)
+            transposed = np.swapaxes(jumps, 1, 2)
+            block = transposed @ (self.FacetMatrix(patch) @ jumps)
+            if consistency:
+                coupling = transposed @ operators.Tractions(patch, self.lifted)
+                block -= coupling
+                if self.theta:
+                    block -= self.theta * np.swapaxes(coupling, 1, 2)
+            matrix.Add(patch.elements, block)
+        if self.globallift:
+            for star in operators.Stars():
+                lifting = operators.GlobalLifting(star)
+                weighted = operators.cells[star.group].weightedliftmass[star.rows] @ lifting
+                matrix.Add(star.elements, np.swapaxes(lifting, 1, 2) @ weighted)
+        return matrix.native
 
     def _Data(self):
         """{region: values prescribed on it, coefficients in F_h}."""
-        problem, mu = self.problem, self.operators.traces.TestFunction()
-        n, mesh = self.operators.n, self.operators.facets.mesh
+        problem, operators = self.problem, self.operators
+        mu, n = operators.traces.TestFunction(), operators.normal
         values = {region: Unfolded(value) for region, value in problem.dirichlet.items()}
         values |= {region: Unfolded(value) * n for region, value in problem.roller.items()}
         data = {}
         for region, value in values.items():
-            form = LinearForm(value * mu * ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=2))
-            data[region] = self.operators.inverseMF @ form.Assemble().vec.FV().NumPy()
+            measure = ds(skeleton=True, definedon=operators.mesh.Boundaries(region), bonus_intorder=2)
+            moments = LinearForm(value * mu * measure).Assemble().vec.FV().NumPy()
+            data[region] = np.zeros(len(moments))
+            for patch in operators.FacetPatches(operators.facets.On(region)):
+                dofs = operators.TraceDofs(patch.facets)
+                data[region][dofs] = operators.Apply(operators.inversemass(patch.sides[0]), moments[dofs][..., None])[..., 0]
         return data
 
     def Prescribed(self):
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
-        return {region: self.jumps.T @ (self.sigma @ values) - self.tractions.T @ values
-                for region, values in self._Data().items()}
+        loads = {}
+        for region, values in self._Data().items():
+            operators = self.operators
+            facets = operators.facets.On(region)
+            # A global lifting carries the data of a facet to all facets of its element.
+            reached = operators.facets.Around(facets) if self.globallift else facets
+            load = self._Tested(self._Penalised(values, facets), reached)
+            for patch in operators.FacetPatches(facets):
+                given = values[operators.TraceDofs(patch.facets)][..., None]
+                tractions = operators.Tractions(patch, self.lifted)
+                np.subtract.at(load, operators.Dofs(patch.elements),
+                               self.theta * (np.swapaxes(tractions, 1, 2) @ given)[..., 0])
+            loads[region] = load
+        return loads
+
+    def _Penalised(self, jump, near):
+        """M_F^-1 (Sigma + G) jump, for a jump given by coefficients in F_h that vanishes off the facets `near`."""
+        operators = self.operators
+        result = np.zeros(len(jump))
+        for patch in operators.FacetPatches(near):
+            dofs = operators.TraceDofs(patch.facets)
+            result[dofs] += (self.FacetMatrix(patch) @ jump[dofs][..., None])[..., 0]
+        if self.globallift:
+            for star in operators.Stars(operators.facets.Touching(near)):
+                dofs = [operators.TraceDofs(facets) for _, facets, _ in star.arms]
+                liftings = operators.Liftings(star)
+                lifted = sum(lifting @ jump[own][..., None] for lifting, own in zip(liftings, dofs))
+                stress = operators.cells[star.group].weightedliftmass[star.rows] @ lifted
+                for lifting, own in zip(liftings, dofs):
+                    np.add.at(result, own, (np.swapaxes(lifting, 1, 2) @ stress)[..., 0])
+        return result
+
+    def _Tested(self, functional, near):
+        """J' M_F^-1 functional, (ndof,), for a functional on F_h that vanishes off the facets `near`."""
+        operators = self.operators
+        result = np.zeros(self.space.ndof)
+        for patch in operators.FacetPatches(near):
+            moments = functional[operators.TraceDofs(patch.facets)][..., None]
+            np.add.at(result, operators.Dofs(patch.elements),
+                      (np.swapaxes(operators.Jumps(patch), 1, 2) @ moments)[..., 0])
+        return result
 
     def Flux(self, gfu):
-        """Coefficients in F_h of the numerical flux sigma_hat n_e, n_e the normal that fixes the orientation of the facet."""
-        vector = gfu.vec.FV().NumPy()
-        jump = self.jumps @ vector - sum(self._Data().values(), np.zeros(self.operators.traces.ndof))
-        return self.operators.inverseMF @ (self.tractions @ vector - self.sigma @ jump)
+        """Coefficients in F_h of the numerical flux sigma_hat n, n the normal that fixes the orientation of the facet."""
+        operators, vector = self.operators, gfu.vec.FV().NumPy()
+        everywhere = np.ones(len(operators.share), dtype=bool)
+        jump = -sum(self._Data().values(), np.zeros(operators.traces.ndof))
+        for patch in operators.FacetPatches():
+            local = vector[operators.Dofs(patch.elements)][..., None]
+            jump[operators.TraceDofs(patch.facets)] += (operators.Jumps(patch) @ local)[..., 0]
+        flux = -self._Penalised(jump, everywhere)
+        for patch in operators.FacetPatches():
+            dofs, local = operators.TraceDofs(patch.facets), vector[operators.Dofs(patch.elements)][..., None]
+            moments = (operators.Tractions(patch, self.lifted) @ local) + flux[dofs][..., None]
+            flux[dofs] = operators.Apply(operators.inversemass(patch.sides[0]), moments)[..., 0]
+        return flux
 
     def FluxFunction(self, gfu):
-        """The numerical flux as a GridFunction on the facets."""
+        """The numerical flux as a GridFunction on the facets [stress]."""
         function = GridFunction(self.operators.traces)
         function.vec.FV().NumPy()[:] = self.Flux(gfu)
         return function
@@ -77,4 +148,11 @@ class FacetForm:
         flux, operators = self.Flux(gfu), self.operators
         on = {region: operators.facets.On(region) for region in (*self.problem.dirichlet, *self.problem.roller)}
         on[None] = ~np.any(list(on.values()), axis=0) if on else np.ones(len(operators.share), dtype=bool)
-        return {region: operators.J.T @ np.where(facets[operators.facetof], flux, 0) for region, facets in on.items()}
+        tested = {}
+        for region, facets in on.items():
+            tested[region] = np.zeros(self.space.ndof)
+            for patch in operators.FacetPatches(facets):
+                moments = flux[operators.TraceDofs(patch.facets)][..., None]
+                np.add.at(tested[region], operators.Dofs(patch.elements),
+                          (np.swapaxes(operators.JumpBlocks(patch), 1, 2) @ moments)[..., 0])
+        return tested

@@ -60,6 +60,11 @@ class Facets:
         self.incidence = Csr(form.mat)
 
     @cached_property
+    def ofelement(self):
+        """Facet numbers of each element in NGSolve's local order."""
+        return [element.dofs for element in self.space.Elements(VOL)]
+
+    @cached_property
     def neighbours(self):
         return np.diff(self.incidence.indptr)
 
@@ -85,6 +90,14 @@ class Facets:
         """True for the facets of a boundary region, over facets."""
         form = LinearForm(self.space.TestFunction() * ds(skeleton=True, definedon=self.mesh.Boundaries(region)))
         return form.Assemble().vec.FV().NumPy() > 0
+
+    def Touching(self, facets):
+        """True for the elements at any of the given facets (a mask), over elements."""
+        return self.incidence.T @ facets.astype(float) > 0
+
+    def Around(self, facets):
+        """True for all facets of the elements at any of the given ones, over facets."""
+        return self.incidence @ self.Touching(facets).astype(float) > 0
 
     def Function(self, values):
         """Piecewise constant function on the facets."""
@@ -141,9 +154,9 @@ class BoundaryQuadrature:
             volume = mesh[ElementId(VOL, cls._Neighbour(facets, number))]
             vertices = np.array(REFERENCE_VERTICES[volume.type], dtype=float)
             corners = vertices[[list(volume.vertices).index(vertex) for vertex in element.vertices]]
-            normals[here] = _ReferenceNormal(corners, vertices.mean(axis=0), dim)
+            normals[here] = ReferenceNormal(corners, vertices.mean(axis=0), dim)
             inside["nr"][here] = volume.nr
-            reference = _VertexFunctions(element.type, points["x"][here], points["y"][here]) @ corners
+            reference = VertexFunctions(element.type, points["x"][here], points["y"][here]) @ corners
             for axis, values in zip("xyz", reference.T):
                 inside[axis][here] = values
         # NGSolve's normal at boundary points follows the orientation of the boundary element, which may point into the body
@@ -160,14 +173,14 @@ class BoundaryQuadrature:
         return int(facets.incidence.indices[facets.incidence.indptr[facet]])
 
 
-def _ReferenceNormal(corners, centre, dim):
+def ReferenceNormal(corners, centre, dim):
     """Normal of a facet of the reference element, (dim,), pointing away from its centre; any length."""
     edges = (corners - corners[0])[1:, :dim]
     normal = np.array([edges[0][1], -edges[0][0]]) if dim == 2 else np.cross(edges[0], edges[1])
     return normal * np.sign(normal @ (corners[0] - centre)[:dim])
 
 
-def _VertexFunctions(et, s, t):
+def VertexFunctions(et, s, t):
     """Values of the vertex functions of a facet's reference element, (points, vertices)."""
     if et == ET.SEGM:
         return np.stack([s, 1 - s], axis=1)

@@ -1,166 +1,120 @@
-"""The liftings r_0 and r_e of (3.2)-(3.4) as sparse operators on auxiliary spaces.
+"""The liftings r_0 and r_e of (3.2)-(3.4), as sparse operators and as functions in Q_h.
 
-For a symmetric q, [v]:q = w.(q n) with the vector jump w = v+ - v-: the tensor jump is a vector jump against a traction.  So
-everything is built from element-boundary integrals, without coupling of neighbours in the integrals:
-
-    V_h  displacement, order k                    Q_h  symmetric matrices, piecewise of order l
-    F_h  vectors on the facets, order k           E0   interior facets, Gamma_D and rollers
-    K : V_h x V_h  int C eps(u):eps(v)            J : V_h x F_h  int_E0 (u+ - u-).mu
-    S : V_h x F_h  int_E0 {C eps(u)} n.mu         N : Q_h x F_h  int_E0 {q} n.mu
-    R : V_h x Q_h  int C eps(u):q                 M_F, M_Q, M_C  masses of F_h and Q_h, and the C-weighted one of Q_h
-
-    r_0([u]) = -M_Q^-1 N' M_F^-1 J u              G = N M_Q^-1 M_C M_Q^-1 N'
-
-Averages count the two sides of an interior facet by 1/2 and a boundary facet fully; the side with the smaller element number
-fixes the orientation.  On a roller w = v_n n and the traction is its normal part.
+    int_Omega r_0(phi):q = - int_E0 phi:{q},     int_Omega r_e(phi):q = - int_e phi:{q},     r_0 = sum_e r_e
 """
 
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import (EDGE, FACE, L2, VOL, BilinearForm, ElementId, FacetFESpace, GridFunction, IfPos, InnerProduct,
-                     MatrixValued, NodeId, VectorL2, dx, specialcf)
+from ngsolve import GridFunction
 
-from .elasticity import Strain
 from .exceptions import ProblemError
-from .facets import Csr, Threads
+from .operators import FacetOperators
+from .pattern import Numbers
 
 
-class FacetOperators:
-    """The matrices above as scipy CSR, each assembled when it is first used; the mass matrices as their inverses.
+class SparseOperators:
+    """The operators of the `operators` module on the whole mesh, as scipy CSR in NGSolve's numbering of V_h, Q_h and F_h.
 
-    Parameters
-    ----------
-    material, facets : of the Discretization;  order : k;  liftorder : l
-    share : weight of a side in the averages, over facets: 1/2 inside, 1 on Gamma_D and rollers, 0 off E0
-    rollers : True for roller facets, over facets
+    K, J, S, N, R : as there;  inverseMF, inverseMQ : inverses of the masses, block-diagonal;  G, and its part localG of single
+    facets;  projectedS : N M_Q^-1 R;  facetof : facet of each dof of F_h
     """
 
-    def __init__(self, material, facets, order, liftorder, share, rollers):
-        mesh, dim = facets.mesh, facets.mesh.dim
-        self.material, self.facets, self.share = material, facets, share
-        self.displacements = VectorL2(mesh, order=order)
-        self.liftings = MatrixValued(L2(mesh, order=liftorder), symmetric=True)
-        scalar = FacetFESpace(mesh, order=order)
-        self.traces = scalar ** dim
-        kind, ndof = EDGE if dim == 2 else FACE, scalar.ndof
-        numbers = [np.array(scalar.GetDofNrs(NodeId(kind, facet))) for facet in range(len(share))]
-        self.tracedofs = [np.concatenate([dofs + i * ndof for i in range(dim)]) for dofs in numbers]
-        self.facetof = np.empty(self.traces.ndof, dtype=int)
-        for facet, dofs in enumerate(self.tracedofs):
-            self.facetof[dofs] = facet
-        self.n = specialcf.normal(dim)
-        self._share, self._roller = facets.Function(share), facets.Function(rollers.astype(float))
-        self._measure = dx(element_boundary=True, bonus_intorder=material.bonus)
-        first = facets.Function(facets.incidence.indices[facets.incidence.indptr[:-1]].astype(float))
-        number = GridFunction(L2(mesh, order=0))
-        number.vec.FV().NumPy()[:] = np.arange(mesh.ne)
-        # 1 in the element that fixes the orientation of the facet, -1 in the other one.
-        self._sign = IfPos(0.25 - (first - number) ** 2, 1, -1)
-        self._active = facets.Function((share > 0).astype(float))
+    def __init__(self, blocks):
+        self.blocks, self.share = blocks, blocks.share
+        self._shape = {"V": blocks.dim * int(blocks.starts[-1]), "F": blocks.dim * int(blocks.tracestarts[-1]),
+                       "Q": len(blocks.cells[0].basis) * int(blocks.liftstarts[-1])}
 
-    def Coupled(self, vector):
-        """The part of a vector that a facet couples: its normal part on rollers, all of it elsewhere."""
-        return (1 - self._roller) * vector + self._roller * (vector * self.n) * self.n
+    def _Sparse(self, spaces, batches):
+        """CSR from batches (row dofs (n, r), column dofs (n, c), blocks (n, r, c)); entries add up."""
+        rows, columns, values = [], [], []
+        for row, column, block in batches:
+            rows.append(np.broadcast_to(row[:, :, None], block.shape).ravel())
+            columns.append(np.broadcast_to(column[:, None, :], block.shape).ravel())
+            values.append(block.ravel())
+        shape = tuple(self._shape[space] for space in spaces)
+        if not rows:
+            return sp.csr_matrix(shape)
+        return sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
-    def _Mixed(self, trial, test, integrand, measure):
-        form = BilinearForm(trialspace=trial, testspace=test)
-        form += integrand * measure
-        with Threads(self.facets.mesh):
-            return Csr(form.Assemble().mat)
+    def _Lift(self, elements):
+        return Numbers(self.blocks.liftstarts, elements[:, None], len(self.blocks.cells[0].basis))
+
+    def _OnElements(self, spaces, rows, columns, blocks):
+        return self._Sparse(spaces, [(rows(cells.elements), columns(cells.elements), blocks(cells))
+                                     for cells in self.blocks.cells])
+
+    def _OnFacets(self, blocks):
+        """V_h x F_h, from blocks(patch)."""
+        return self._Sparse("FV", ((self.blocks.TraceDofs(patch.facets), self.blocks.Dofs(patch.elements), blocks(patch))
+                                   for patch in self.blocks.FacetPatches()))
+
+    def _Displacement(self, elements):
+        return self.blocks.Dofs(elements[:, None])
 
     @cached_property
     def K(self):
-        u, v = self.displacements.TnT()
-        integrand = InnerProduct(self.material.Stress(Strain(u)), Strain(v))
-        return self._Mixed(self.displacements, self.displacements, integrand, dx(bonus_intorder=self.material.bonus))
-
-    @cached_property
-    def J(self):
-        u, mu = self.displacements.TrialFunction(), self.traces.TestFunction()
-        return self._Mixed(self.displacements, self.traces, self._active * self._sign * self.Coupled(u) * mu, self._measure)
-
-    @cached_property
-    def S(self):
-        u, mu = self.displacements.TrialFunction(), self.traces.TestFunction()
-        traction = self.Coupled(self.material.Stress(Strain(u)) * self.n)
-        return self._Mixed(self.displacements, self.traces, self._share * self._sign * traction * mu, self._measure)
-
-    @cached_property
-    def N(self):
-        q, mu = self.liftings.TrialFunction(), self.traces.TestFunction()
-        return self._Mixed(self.liftings, self.traces, self._share * self._sign * self.Coupled(q * self.n) * mu, self._measure)
+        return self._OnElements("VV", self._Displacement, self._Displacement, lambda cells: cells.energy)
 
     @cached_property
     def R(self):
-        u, q = self.displacements.TrialFunction(), self.liftings.TestFunction()
-        integrand = InnerProduct(self.material.Stress(Strain(u)), q)
-        return self._Mixed(self.displacements, self.liftings, integrand, dx(bonus_intorder=self.material.bonus))
-
-    @cached_property
-    def inverseMF(self):
-        """M_F^-1, block-diagonal per facet."""
-        average = self.facets.Function(1 / np.maximum(self.facets.neighbours, 1))
-        mu, nu = self.traces.TnT()
-        mass = self._Mixed(self.traces, self.traces, average * mu * nu, dx(element_boundary=True))
-        return BlockInverse(mass, self.tracedofs)
+        return self._OnElements("QV", self._Lift, self._Displacement, lambda cells: cells.stress)
 
     @cached_property
     def inverseMQ(self):
-        """M_Q^-1, block-diagonal per element."""
-        q, p = self.liftings.TnT()
-        mass = self._Mixed(self.liftings, self.liftings, InnerProduct(q, p), dx)
-        return BlockInverse(mass, [np.array(self.liftings.GetDofNrs(ElementId(VOL, element)))
-                                   for element in range(self.facets.mesh.ne)])
+        return self._OnElements("QQ", self._Lift, self._Lift, lambda cells: cells.inverseliftmass)
 
     @cached_property
-    def G(self):
-        """(C r_0(mu), r_0(nu)), F_h x F_h; couples the facets of one element."""
-        q, p = self.liftings.TnT()
-        weighted = self._Mixed(self.liftings, self.liftings, InnerProduct(self.material.Stress(q), p),
-                               dx(bonus_intorder=self.material.bonus))
-        lift = self.inverseMQ @ self.N.T
-        return (lift.T @ weighted @ lift).tocsr()
+    def J(self):
+        return self._OnFacets(self.blocks.JumpBlocks)
 
     @cached_property
-    def localG(self):
-        """sum_e (C r_e(mu), r_e(nu)): the blocks of G that belong to single facets."""
-        entries = self.G.tocoo()
-        same = self.facetof[entries.row] == self.facetof[entries.col]
-        return sp.csr_matrix((entries.data[same], (entries.row[same], entries.col[same])), shape=entries.shape)
+    def S(self):
+        return self._OnFacets(lambda patch: self.blocks.Tractions(patch, False))
 
     @cached_property
     def projectedS(self):
-        """N M_Q^-1 R, the tractions of the projection of the stress on Q_h: S of the lifting forms."""
-        return self.N @ (self.inverseMQ @ self.R)
+        return self._OnFacets(lambda patch: self.blocks.Tractions(patch, True))
 
     @cached_property
-    def contains(self):
-        """True if C eps(V_h) lies in Q_h, as far as the facets see: then edge form and lifting form are the same."""
-        # Round-off of products of matrices with entries of different size.
-        return abs(self.S - self.projectedS).max() <= 1e-10 * abs(self.S).max()
+    def inverseMF(self):
+        def Blocks(patch):
+            return np.kron(np.eye(self.blocks.dim), self.blocks.inversemass(patch.sides[0]))
 
-    def PenaltyMass(self, penalty):
-        """<P(mu):[nu]> for a penalty (`penalty` module) on E0, F_h x F_h."""
-        mu, nu = self.traces.TnT()
-        mu, nu = self.Coupled(mu), self.Coupled(nu)
-        return self._Mixed(self.traces, self.traces, self._share * (penalty.Boundary(mu, self.n) * self.n) * nu, self._measure)
+        return self._Sparse("FF", ((dofs, dofs, Blocks(patch)) for patch in self.blocks.FacetPatches()
+                                   for dofs in [self.blocks.TraceDofs(patch.facets)]))
 
+    @cached_property
+    def N(self):
+        """From -M_Q^-1 N', the liftings of the elements' facets."""
+        def Batches():
+            for star in self.blocks.Stars():
+                mass = np.linalg.inv(self.blocks.cells[star.group].inverseliftmass[star.rows])
+                for (_, facets, _), lift in zip(star.arms, self.blocks.Liftings(star)):
+                    yield self.blocks.TraceDofs(facets), self._Lift(star.elements[:, 0]), -np.swapaxes(mass @ lift, 1, 2)
 
-def BlockInverse(matrix, blocks):
-    """Inverse of a matrix that is block-diagonal over the given lists of dof numbers; other entries must be zero."""
-    groups, rows, columns, entries = {}, [], [], []
-    for dofs in blocks:
-        groups.setdefault(len(dofs), []).append(dofs)
-    for dofs in map(np.array, groups.values()):
-        size = dofs.shape[1]
-        row, column = np.repeat(dofs, size, axis=1).ravel(), np.tile(dofs, (1, size)).ravel()
-        inverse = np.linalg.inv(np.asarray(matrix[row, column]).reshape(-1, size, size))
-        rows.append(row)
-        columns.append(column)
-        entries.append(inverse.ravel())
-    return sp.csr_matrix((np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))), shape=matrix.shape)
+        return self._Sparse("FQ", Batches())
+
+    @cached_property
+    def G(self):
+        def Batches():
+            for star in self.blocks.Stars():
+                dofs = np.concatenate([self.blocks.TraceDofs(facets) for _, facets, _ in star.arms], axis=1)
+                lift = np.concatenate(self.blocks.Liftings(star), axis=2)
+                mass = self.blocks.cells[star.group].weightedliftmass[star.rows]
+                yield dofs, dofs, np.swapaxes(lift, 1, 2) @ mass @ lift
+
+        return self._Sparse("FF", Batches())
+
+    @cached_property
+    def localG(self):
+        return self._Sparse("FF", ((dofs, dofs, self.blocks.LocalEnergy(patch)) for patch in self.blocks.FacetPatches()
+                                   for dofs in [self.blocks.TraceDofs(patch.facets)]))
+
+    @cached_property
+    def facetof(self):
+        return np.tile(np.repeat(np.arange(len(self.share)), self.blocks.tracesizes), self.blocks.dim)
 
 
 class Lifting:
@@ -179,22 +133,30 @@ class Lifting:
         if not isinstance(order, int) or order < 0:
             raise ProblemError(f"order is {order!r}; the degree of the lifting space is an integer >= 0")
         share, rollers = WeakFacets(disc.problem, disc.facets)
-        self.operators = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
-        self.space = self.operators.liftings
+        blocks = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
+        self.operators, self.space = SparseOperators(blocks), blocks.liftings
+
+    def Matrix(self, facet=None):
+        """r_0, or r_e of the facet with this number, as a sparse matrix from V_h to Q_h."""
+        operators = self.operators
+        traces = operators.N.T
+        if facet is not None:
+            traces = traces @ sp.diags((operators.facetof == facet).astype(float))
+        return -(operators.inverseMQ @ (traces @ (operators.inverseMF @ operators.J)))
 
     def Global(self, gfu):
         """r_0([u]), a GridFunction in Q_h [as grad u]."""
-        return self._Lift(gfu, slice(None))
+        return self._Function(gfu, None)
 
     def Local(self, gfu, facet):
         """r_e([u]) of the facet with this number; it lives on the elements at the facet."""
-        return self._Lift(gfu, self.operators.facetof != facet)
+        return self._Function(gfu, facet)
 
-    def _Lift(self, gfu, dropped):
+    def _Function(self, gfu, facet):
         operators = self.operators
         jump = operators.inverseMF @ (operators.J @ gfu.vec.FV().NumPy())
-        if not isinstance(dropped, slice):
-            jump[dropped] = 0
+        if facet is not None:
+            jump[operators.facetof != facet] = 0
         lifted = GridFunction(self.space)
         lifted.vec.FV().NumPy()[:] = -(operators.inverseMQ @ (operators.N.T @ jump))
         return lifted

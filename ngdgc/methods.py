@@ -1,6 +1,6 @@
 """The methods a problem can be discretised with: what space, and where the displacement is coupled weakly."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,46 +9,73 @@ from ngsolve import H1, L2, VectorH1, VectorL2
 from .coefficients import IsNumber
 from .exceptions import ProblemError
 from .facetform import FacetForm
-from .lifting import FacetOperators, WeakFacets
+from .lifting import WeakFacets
+from .operators import FacetOperators
 from .penalty import MARGIN, Penalty
 from .skeleton import Clamped, Interior, Roller, SkeletonForm
+from .skeletonlifting import LiftedSkeletonForm
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class DiscontinuousGalerkin:
     """What the discontinuous methods share; a method is one row of class variables.
 
     penalty : "auto" or a number > 0, whose meaning is the row's
+    weighting : of the jump penalty, "mu" for the paper's eta/h [u]:[v] with eta = penalty mu order^2, or "C" for
+        penalty order^2/h {C}[u]:[v]; by default "mu" for a number and "C" for "auto"
     form : "edge", B^(1)_h with averages of C eps(u) on the facets, or "lifting", B^(2)_h with C eps(u) against r_0([v])
     liftorder : degree l >= 0 of the lifting space Q_h, by default the order k.  The forms agree where C eps(V_h) lies in Q_h:
         simplices with l >= k - 1 and parallelograms with l = k, for constant C.
+    singular : True admits liftorder=0 for r_e, to look at a singular matrix; no such problem is solved
 
-    Rows: `globallift`, the term (C r_0[u], r_0[v]); `stabilisation`, "jump" for eta_e/h_e [u]:[v] and "lifting" for
-    eta C r_e[u]:r_e[v].
+    Rows: `globallift`, the term (C r_0[u], r_0[v]); `stabilisation`, "jump" for the jump penalty and "lifting" for
+    eta C r_e[u]:r_e[v]; `theta`, the factor of -<[v],{C eps(u)}>' transposed, 1 for a symmetric form.
     """
 
     penalty: Any = "auto"
+    weighting: str | None = None
     form: str = "edge"
     liftorder: int | None = None
+    singular: bool = False
     name: ClassVar[str]
     globallift: ClassVar[bool]
     stabilisation: ClassVar[str]
+    theta: ClassVar[int] = 1
     discontinuous: ClassVar[bool] = True
 
     def __post_init__(self):
         automatic = isinstance(self.penalty, str) and self.penalty == "auto"
         if not automatic and not (IsNumber(self.penalty) and 0 < self.penalty < np.inf):
             raise ProblemError(f"penalty is {self.penalty!r}; give 'auto' or a positive number")
+        if self.weighting not in (None, "mu", "C"):
+            raise ProblemError(f"weighting is {self.weighting!r}; choose 'mu' or 'C'")
+        if self.weighting is not None and self.stabilisation == "lifting":
+            raise ProblemError(f"weighting={self.weighting!r} does not apply to {self.name}: r_e is weighted by C")
         if self.form not in ("edge", "lifting"):
             raise ProblemError(f"form is {self.form!r}; choose 'edge' or 'lifting'")
+        self._CheckLifting()
+
+    def _CheckLifting(self):
         if self.liftorder is not None and (not isinstance(self.liftorder, int) or self.liftorder < 0):
             raise ProblemError(f"liftorder is {self.liftorder!r}; it must be an integer of at least 0")
         liftless = self.form == "edge" and self.stabilisation == "jump" and not self.globallift
         if self.liftorder is not None and liftless:
             raise ProblemError(f"liftorder={self.liftorder} does not apply to the edge form of {self.name}: it lifts nothing")
-        if self.liftorder == 0 and self.stabilisation == "lifting":
+        if self.liftorder == 0 and self.stabilisation == "lifting" and not self.singular:
             raise ProblemError(f"liftorder=0 makes {self.name} singular for every penalty: r_e with constants sees only the "
-                               "mean of a jump, so jumps of mean zero cost nothing; take liftorder >= 1, by default the order")
+                               "mean of a jump, so jumps of mean zero cost nothing; take liftorder >= 1, by default the order "
+                               "(singular=True admits it, to look at the matrix)")
+
+    def __repr__(self):
+        """The class with the arguments that are not the defaults."""
+        given = [f"{field.name}={getattr(self, field.name)!r}" for field in fields(self)
+                 if getattr(self, field.name) != field.default]
+        return f"{type(self).__name__}({', '.join(given)})"
+
+    @property
+    def symmetric(self):
+        """True if B_h(u, v) = B_h(v, u)."""
+        return self.theta == 1
 
     def Space(self, mesh, order, clamped):
         return VectorL2(mesh, order=order, dgjumps=True)
@@ -56,29 +83,33 @@ class DiscontinuousGalerkin:
     def ScalarSpace(self, mesh, order):
         return L2(mesh, order=order)
 
-    def Form(self, problem, facets, space, order):
+    def Form(self, problem, facets, space, order, assembly):
         """B_h with E0 = interior facets, Gamma_D and rollers."""
         share, rollers = WeakFacets(problem, facets)
         liftorder = order if self.liftorder is None else self.liftorder
         operators = FacetOperators(problem.material, facets, order, liftorder, share, rollers)
-        sigma, bound = self._Stabilise(operators, problem.material, facets, order, share)
-        if self.globallift:
-            sigma = sigma + operators.G
-            # A square, g + 2 (C eps, r_0) + (C r_0, r_0): coercive for any penalty, if (C eps, r_0) is what the form has.
-            bound = 0 if self.form == "lifting" or operators.contains else bound
-        return FacetForm(problem, space, operators, sigma, lifted=self.form == "lifting", bound=bound)
-
-    def _Stabilise(self, operators, material, facets, order, share):
-        """(facet matrix, bound) of the stabilisation alone."""
+        rule = eta = None
         if self.stabilisation == "jump":
-            rule = Penalty(self.penalty, material, facets, order, share)
-            known = self.form == "edge" or operators.contains
-            return operators.PenaltyMass(rule), rule.bound if known else np.inf
-        # |r_0|^2 <= N_K sum_e |r_e|^2 on an element with N_K facets in E0, so eta > max N_K suffices.
-        most = float(((facets.incidence != 0).T @ (share > 0).astype(float)).max())
-        eta = MARGIN * most if self.penalty == "auto" else self.penalty
-        known = self.form == "lifting" or operators.contains
-        return eta * operators.localG, most / eta if known else np.inf
+            rule = Penalty(self.penalty, self.weighting, operators)
+            # |(1 + theta) <[u],{C eps(u)}>| is what Young's inequality has to bound.
+            bound, exact = rule.bound * ((1 + self.theta) / 2) ** 2, "edge"
+        else:
+            # |r_0|^2 <= N_K sum_e |r_e|^2 on an element with N_K facets in E0, so eta > max N_K suffices.
+            most = max(int((share[cells.facets] > 0).sum(axis=1).max()) for cells in operators.cells)
+            eta = MARGIN * most if self.penalty == "auto" else self.penalty
+            bound, exact = most / eta, "lifting"
+        if self.globallift:
+            # A square, g + 2 (C eps, r_0) + (C r_0, r_0): coercive for any penalty, if (C eps, r_0) is what the form has.
+            bound, exact = 0, "lifting"
+        if self.form != exact and self.theta != -1 and not operators.contains:
+            bound = np.inf      # the form has another coupling than the one that was estimated
+        terms = {"lifted": self.form == "lifting", "globallift": self.globallift, "theta": self.theta, "bound": bound}
+        if assembly == "facet":
+            return FacetForm(problem, space, operators, rule=rule, eta=eta, **terms)
+        parts = _Parts(problem, facets.mesh, rule)
+        if self.form == "edge" and not self.globallift and eta is None:
+            return SkeletonForm(problem, space, parts, theta=self.theta, bound=bound)
+        return LiftedSkeletonForm(problem, space, parts, facets, liftorder=liftorder, eta=eta, **terms)
 
 
 class InteriorPenalty(DiscontinuousGalerkin):
@@ -90,18 +121,33 @@ class InteriorPenalty(DiscontinuousGalerkin):
         (`penalty.ElasticPenalty`); or a number, the paper's eta = penalty * mu * order^2 in
         alpha(u,v) = sum_e int_e eta_e/h_e [u]:[v], coercive only while it is large enough for order and lam/mu.
 
-    The edge form is assembled from NGSolve's symbols (`skeleton` module).
-
     >>> InteriorPenalty(penalty=30).name
     'IP'
     """
 
     name, globallift, stabilisation = "IP", False, "jump"
 
-    def Form(self, problem, facets, space, order):
-        if self.form == "lifting":
-            return super().Form(problem, facets, space, order)
-        return SkeletonForm(problem, space, _Parts(problem, facets, order, self.penalty, True, problem.dirichlet))
+
+class NonsymmetricInteriorPenalty(DiscontinuousGalerkin):
+    """NIPG (Riviere, Wheeler, Girault 1999): + <[u],{C eps(v)}> in place of -, coercive for any penalty, not symmetric.
+
+    Its L2 error is of order k + 1 for odd k only, if at all: the form is not adjoint consistent.
+
+    >>> NonsymmetricInteriorPenalty().symmetric
+    False
+    """
+
+    name, globallift, stabilisation, theta = "NIPG", False, "jump", -1
+
+
+class IncompleteInteriorPenalty(DiscontinuousGalerkin):
+    """IIPG (Dawson, Sun, Wheeler 2004): without <[u],{C eps(v)}>, not symmetric; needs a quarter of IP's penalty.
+
+    >>> IncompleteInteriorPenalty().theta
+    0
+    """
+
+    name, globallift, stabilisation, theta = "IIPG", False, "jump", 0
 
 
 class BassiEtAl(DiscontinuousGalerkin):
@@ -154,6 +200,7 @@ class Conforming:
 
     name: ClassVar[str] = "H1"
     discontinuous: ClassVar[bool] = False
+    symmetric: ClassVar[bool] = True
 
     def Space(self, mesh, order, clamped):
         return VectorH1(mesh, order=order, dirichlet=clamped)
@@ -161,24 +208,24 @@ class Conforming:
     def ScalarSpace(self, mesh, order):
         return H1(mesh, order=order)
 
-    def Form(self, problem, facets, space, order):
-        """a(u, v), with the terms of E0 = rollers."""
-        return SkeletonForm(problem, space, _Parts(problem, facets, order, "auto", False, {}))
+    def Form(self, problem, facets, space, order, assembly):
+        """a(u, v), with the terms of E0 = rollers; `assembly` makes no difference."""
+        _, rollers = WeakFacets(problem, facets)
+        if not rollers.any():
+            return SkeletonForm(problem, space, [])
+        operators = FacetOperators(problem.material, facets, order, order, rollers.astype(float), rollers)
+        rule = Penalty("auto", None, operators)
+        return SkeletonForm(problem, space, [Roller(problem.material, facets.mesh, rule, region, value)
+                                             for region, value in problem.roller.items()])
 
 
-METHODS = {"ip": InteriorPenalty, "bassi": BassiEtAl, "brezzi": BrezziEtAl, "ldg": LDG, "h1": Conforming}
+def _Parts(problem, mesh, rule):
+    """The sets of facets of E0 in symbols, with one penalty for all."""
+    material = problem.material
+    return [Interior(material, mesh, rule),
+            *(Clamped(material, mesh, rule, region, value) for region, value in problem.dirichlet.items()),
+            *(Roller(material, mesh, rule, region, value) for region, value in problem.roller.items())]
 
 
-def _Parts(problem, facets, order, penalty, interior, clamped):
-    """The sets of facets of E0, with one penalty for all."""
-    share, rollers = WeakFacets(problem, facets)
-    if not interior:
-        share = np.where(rollers, share, 0)
-    if not np.any(share):
-        return []
-    material, mesh = problem.material, facets.mesh
-    rule = Penalty(penalty, material, facets, order, share)
-    sets = [Interior(material, mesh, rule)] if interior else []
-    sets += [Clamped(material, mesh, rule, region, value) for region, value in clamped.items()]
-    sets += [Roller(material, mesh, rule, region, value) for region, value in problem.roller.items()]
-    return sets
+METHODS = {"ip": InteriorPenalty, "bassi": BassiEtAl, "brezzi": BrezziEtAl, "ldg": LDG, "nipg": NonsymmetricInteriorPenalty,
+           "iipg": IncompleteInteriorPenalty, "h1": Conforming}

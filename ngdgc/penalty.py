@@ -14,116 +14,133 @@ sigma : C^-1 sigma / gamma_{K,e} for P = {gamma C} sym(w (x) n).  The smallest k
 of element matrices: sharp in order, shape and material of the element, and without unknown constants.
 """
 
-import numpy as np
-from ngsolve import (L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, OuterProduct, Sym, VectorL2,
-                     dx, specialcf)
+from concurrent.futures import ThreadPoolExecutor
+from functools import cached_property
 
-from .elasticity import Strain
-from .exceptions import ProblemError
-from .facets import Csr, Threads, VolumePoints
+import numpy as np
+from ngsolve import L2, GridFunction, OuterProduct, Sym
+
+from .facets import VolumePoints
 
 MARGIN = 2      # kappa_K = 1/MARGIN for penalty="auto": B_h >= (1 - 1/sqrt 2) of the energy norm
 
 
-def ElementPencil(material, facets, order, facetweight, quadratic):
-    """Largest eigenvalue over V_h(K) of int_dK facetweight * quadratic(eps) against int_K C eps:eps, per element.
+def ElementPencil(operators, facetweight, pencil):
+    """Largest eigenvalue over V_h(K) of sum_e facetweight_e pencil_e against int_K C eps:eps, over elements.
 
-    `facetweight` is an array over facets; elements with weight zero on all facets get 0.  Rigid motions, on which both
-    forms vanish, are left out.
+    `pencil(cells, side)` gives the matrices of a quadratic form of eps on a side (`cells` module).  Elements with weight zero
+    on all facets get 0.
     """
-    mesh = facets.mesh
-    space = VectorL2(mesh, order=order)
-    u, v = space.TnT()
-    energy = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=material.bonus))
-    boundary = BilinearForm(facets.Function(facetweight) * quadratic(Strain(u), Strain(v))
-                            * dx(element_boundary=True, bonus_intorder=material.bonus))
-    with Threads(mesh):
-        energy.Assemble()
-        boundary.Assemble()
-    touched = np.flatnonzero(np.abs(facets.incidence).T @ (np.abs(facetweight) > 0))
-    largest = np.zeros(mesh.ne)
-    for elements, dofs in _DofsBySize(space, touched):
-        lower, upper = (_Blocks(Csr(form.mat), dofs) for form in (energy, boundary))
-        if not (np.all(np.isfinite(lower)) and np.all(np.isfinite(upper))):
-            raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
-                               "division by zero or a root of a negative number")
-        values, vectors = np.linalg.eigh(lower)
-        positive = values > 1e-11 * values[:, -1:]
-        scaled = vectors * np.where(positive, 1 / np.sqrt(np.where(positive, values, 1)), 0)[:, None, :]
-        largest[elements] = np.linalg.eigvalsh(np.swapaxes(scaled, 1, 2) @ upper @ scaled)[:, -1]
+    largest = np.zeros(operators.mesh.ne)
+    for cells in operators.cells:
+        weights = facetweight[cells.facets]
+        touched = np.flatnonzero(weights.any(axis=1))
+        if len(touched):
+            upper = sum(weights[touched, s, None, None] * pencil(cells, s)[touched] for s in cells.sides)
+            largest[cells.elements[touched]] = _LargestEigenvalues(upper, cells.energy[touched], cells.rotations[touched])
     return largest
 
 
-def _DofsBySize(space, elements):
-    """Groups (element numbers, sorted dof numbers) of elements with equally many dofs."""
-    groups = {}
-    for element in elements:
-        dofs = space.GetDofNrs(ElementId(VOL, int(element)))
-        groups.setdefault(len(dofs), []).append((element, sorted(dofs)))
-    for group in groups.values():
-        yield np.array([element for element, _ in group]), np.array([dofs for _, dofs in group])
+def _LargestEigenvalues(upper, lower, rotations):
+    """Largest eigenvalues of upper x = kappa lower x, (n,), where both vanish on rigid motions.
+
+    rotations (n, m, d (d-1)/2) : functionals that no rotation but 0 annihilates.  Adding their squares to `lower` changes no
+    eigenvalue, since a rotation can be added to x until they vanish; functions without gradient are left out.
+    """
+    moving = np.any(np.diagonal(lower, axis1=1, axis2=2) > 0, axis=0)
+    select = np.ix_(np.arange(len(lower)), np.flatnonzero(moving), np.flatnonzero(moving))
+    upper, lower, rotations = upper[select], lower[select], rotations[:, moving]
+    scale = np.trace(lower, axis1=1, axis2=2) / np.square(rotations).sum(axis=(1, 2))
+    lower = lower + scale[:, None, None] * rotations @ np.swapaxes(rotations, 1, 2)
+
+    def Solve(part):
+        factor = np.linalg.inv(np.linalg.cholesky(lower[part]))
+        return np.linalg.eigvalsh(factor @ upper[part] @ np.swapaxes(factor, 1, 2))[:, -1]
+
+    # numpy's batches run without Python's lock.
+    halves = np.array_split(np.arange(len(lower)), 2)
+    with ThreadPoolExecutor(2) as pool:
+        return np.concatenate(list(pool.map(Solve, halves)))
 
 
-def _Blocks(matrix, dofs):
-    """Diagonal blocks of a block-diagonal matrix with full blocks, whose columns are sorted."""
-    starts = matrix.indptr[dofs]
-    return matrix.data[starts[:, :, None] + np.arange(dofs.shape[1])]
+def Penalty(value, weighting, operators):
+    """The penalty of a method: "auto" or a number, weighted by "mu" or by "C"; None is "C" for "auto" and "mu" for a number."""
+    if weighting is None:
+        weighting = "C" if value == "auto" else "mu"
+    if weighting == "C":
+        return ElasticPenalty(value, operators)
+    return ScalarPenalty(value, operators)
 
 
-def Penalty(value, material, facets, order, share):
-    """The penalty of a method: "auto" or a number."""
-    if value == "auto":
-        return ElasticPenalty(material, facets, order, share)
-    return ScalarPenalty(value, material, facets, order, share)
+def _Scale(operators):
+    """order^2/h_e over facets, h_e the diameter of e [1/length]."""
+    return operators.order ** 2 / operators.facets.diameter
 
 
 class ScalarPenalty:
     """P(w) = (eta_e/h_e) sym(w (x) n) with eta_e = penalty * mu * order^2, the paper's [u]:[v] eta_e/h_e.
 
-    mu is the larger one of the two sides and h_e the diameter of e.
+    mu is the larger one of the two sides and h_e the diameter of e; for "auto" the number is the smallest one for which
+    kappa_K = 1/MARGIN on the worst element.
     """
 
-    def __init__(self, penalty, material, facets, order, share):
-        mesh = facets.mesh
-        points = VolumePoints(mesh, 2 * order)
+    def __init__(self, value, operators):
+        mesh, facets = operators.mesh, operators.facets
+        points = VolumePoints(mesh, 2 * operators.order)
         shear = np.zeros(mesh.ne)
-        np.maximum.at(shear, points["nr"], material.ShearAt(points))
-        weight = penalty * order ** 2 * facets.LargestNeighbour(shear) / facets.diameter
-        n = specialcf.normal(mesh.dim)
+        np.maximum.at(shear, points["nr"], operators.material.ShearAt(points))
+        unit = facets.LargestNeighbour(shear) * _Scale(operators)
+        needed = ElementPencil(operators, operators.share / unit, lambda cells, s: cells.PlainPencil(s)).max(initial=0)
+        self.value = MARGIN * needed if value == "auto" else value
+        self.bound = needed / self.value
+        self._facets, self._operators, self._weights = facets, operators, self.value * unit
 
-        def Dual(strain, otherstrain):
-            a, b = material.Stress(strain) * n, material.Stress(otherstrain) * n
-            return 2 * InnerProduct(a, b) - (a * n) * (b * n)
+    def FacetMatrix(self, patch):
+        """<P(mu):[nu]>, (n, r, r)."""
+        weight = self._operators.share[patch.facets] * self._weights[patch.facets]
+        return sum(weight[:, None, None] * self._operators.plainjumps(side) for side in patch.sides)
 
-        self.weight = facets.Function(weight)
-        self.bound = ElementPencil(material, facets, order, share / weight, Dual).max(initial=0)
+    @cached_property
+    def _weight(self):
+        return self._facets.Function(self._weights)
 
     def Interior(self, w, n):
-        return self.weight * Sym(OuterProduct(w, n))
+        return self._weight * Sym(OuterProduct(w, n))
 
     Boundary = Interior
 
 
 class ElasticPenalty:
-    """P(w) = {gamma C} sym(w (x) n), gamma_{K,e} = c_K |e| with the smallest c_K for which kappa_K = 1/MARGIN.
+    """P(w) = {gamma C} sym(w (x) n), C-weighted: it neither loses coercivity near incompressibility nor locks on simplices.
 
-    C-weighted, so that it does not lose coercivity near incompressibility, nor lock on simplices (Hansbo and Larson 2002).
+    For a number gamma_e = penalty order^2/h_e; "auto" takes gamma_{K,e} = c_K |e| with the smallest c_K for which
+    kappa_K = 1/MARGIN.  Source: Hansbo and Larson, Comput. Methods Appl. Mech. Engrg. 191 (2002).
     """
 
-    def __init__(self, material, facets, order, share):
-        mesh = facets.mesh
-        self.material = material
-        constant = MARGIN * ElementPencil(material, facets, order, share / facets.measure,
-                                          lambda strain, other: InnerProduct(material.Stress(strain), other))
-        self.gamma = GridFunction(L2(mesh, order=0, dgjumps=True))
-        self.gamma.vec.FV().NumPy()[:] = constant
-        self.measure = facets.Function(facets.measure)
-        self.bound = 1 / MARGIN
+    def __init__(self, value, operators):
+        facets, share = operators.facets, operators.share
+        self._facets, self._operators = facets, operators
+        self._onfacets = facets.measure if value == "auto" else value * _Scale(operators)
+        needed = ElementPencil(operators, share / self._onfacets, lambda cells, s: cells.ElasticPencil(s))
+        self._inelements = MARGIN * needed if value == "auto" else np.ones(operators.mesh.ne)
+        self.bound = 1 / MARGIN if value == "auto" else needed.max(initial=0)
+
+    def FacetMatrix(self, patch):
+        """<P(mu):[nu]>, (n, r, r)."""
+        weight = self._operators.share[patch.facets] * self._onfacets[patch.facets]
+        return sum((weight * self._inelements[elements])[:, None, None] * self._operators.elasticjumps(side)
+                   for elements, side in zip(patch.elements.T, patch.sides))
+
+    @cached_property
+    def _functions(self):
+        gamma = GridFunction(L2(self._operators.mesh, order=0, dgjumps=True))
+        gamma.vec.FV().NumPy()[:] = self._inelements
+        return gamma, self._facets.Function(self._onfacets)
 
     def Interior(self, w, n):
-        jump = Sym(OuterProduct(w, n))
-        return 0.5 * self.measure * (self.gamma * self.material.Stress(jump)
-                                     + self.gamma.Other() * self.material.OtherStress(jump))
+        (gamma, weight), jump, material = self._functions, Sym(OuterProduct(w, n)), self._operators.material
+        return 0.5 * weight * (gamma * material.Stress(jump) + gamma.Other() * material.OtherStress(jump))
 
     def Boundary(self, w, n):
-        return self.measure * self.gamma * self.material.Stress(Sym(OuterProduct(w, n)))
+        gamma, weight = self._functions
+        return weight * gamma * self._operators.material.Stress(Sym(OuterProduct(w, n)))

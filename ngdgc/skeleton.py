@@ -1,8 +1,8 @@
-"""The bilinear form of interior penalty in NGSolve's symbols, the readable definition: edge form, Table 1, first row.
+"""The bilinear forms of the interior penalty methods in NGSolve's symbols, the readable definition.
 
 On every set of facets in E0 the form consists of the same three terms,
 
-    - <w(u), {C eps(v)} n> - <w(v), {C eps(u)} n> + <w(u), P(w(v)) n>,        flux = {C eps(u)} n - P(w(u) - w_D) n,
+    - <w(v), {C eps(u)} n> - theta <w(u), {C eps(v)} n> + <w(u), P(w(v)) n>,    flux = {C eps(u)} n - P(w(u) - w_D) n,
 
 where w is u+ - u- between two elements, u on a clamped boundary and u_n n on a roller, and w_D the prescribed value.  Edge form
 of the paper since [v]:q = w(v).(q n) for symmetric q.
@@ -35,6 +35,10 @@ class Interior:
     def Mean(self, u):
         return 0.5 * (self.material.Stress(Strain(u)) + self.material.OtherStress(_OtherStrain(u))) * self.n
 
+    def MeanOf(self, q):
+        """{q} n for a symmetric matrix q."""
+        return 0.5 * (q + q.Other()) * self.n
+
     def Penalty(self, w):
         return self.penalty.Interior(w, self.n) * self.n
 
@@ -60,6 +64,9 @@ class Clamped:
     def Mean(self, u):
         return self.material.Stress(Strain(u)) * self.n
 
+    def MeanOf(self, q):
+        return q * self.n
+
     def Penalty(self, w):
         return self.penalty.Boundary(w, self.n) * self.n
 
@@ -83,6 +90,9 @@ class Roller(Clamped):
     def Mean(self, u):
         return self._Normal(super().Mean(u))
 
+    def MeanOf(self, q):
+        return self._Normal(super().MeanOf(q))
+
     def Penalty(self, w):
         return self._Normal(super().Penalty(w))
 
@@ -91,21 +101,20 @@ class SkeletonForm:
     """B_h = int C eps_h(u):eps_h(v) + the terms above, assembled by NGSolve's dx(skeleton=True) integrals.
 
     parts : the sets of facets of E0, empty for H1 without rollers
-    bound : largest element bound kappa_K of the penalty; the form is coercive if it is below 1
+    theta : factor of the second term, 1 for a symmetric form
+    bound : the form is coercive if it is below 1
     """
 
-    def __init__(self, problem, space, parts):
-        self.material, self.space, self.parts = problem.material, space, parts
-        self.bound = max((part.penalty.bound for part in parts), default=0)
+    def __init__(self, problem, space, parts, *, theta=1, bound=None):
+        self.material, self.space, self.parts, self.theta = problem.material, space, parts, theta
+        # NGSolve lowers the degree where derivatives of polynomials are integrated, which they are not on curved elements.
+        self.volume = dx(bonus_intorder=problem.material.bonus + (2 if space.mesh.GetCurveOrder() > 1 else 0))
+        self.bound = max((part.penalty.bound for part in parts), default=0) if bound is None else bound
 
     def Matrix(self):
         """The matrix of B_h."""
-        u, v = self.space.TnT()
         form = self._Energy()
-        # One integral a term: NGSolve takes four times as long for their sum in one integral.
-        for part in self.parts:
-            form += -part.Jump(v) * part.Mean(u) * part.measure
-            form += -part.Jump(u) * part.Mean(v) * part.measure
+        self._AddConsistency(form)
         self._AddPenalty(form)
         return form.Assemble().mat
 
@@ -118,8 +127,16 @@ class SkeletonForm:
     def _Energy(self):
         u, v = self.space.TnT()
         form = BilinearForm(self.space)
-        form += InnerProduct(self.material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=self.material.bonus)
+        form += InnerProduct(self.material.Stress(Strain(u)), Strain(v)) * self.volume
         return form
+
+    def _AddConsistency(self, form):
+        u, v = self.space.TnT()
+        # One integral a term: NGSolve takes four times as long for their sum in one integral.
+        for part in self.parts:
+            form += -part.Jump(v) * part.Mean(u) * part.measure
+            if self.theta:
+                form += -self.theta * part.Jump(u) * part.Mean(v) * part.measure
 
     def _AddPenalty(self, form):
         u, v = self.space.TnT()
@@ -130,7 +147,7 @@ class SkeletonForm:
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
         v = self.space.TestFunction()
         return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure
-                                          - part.value * part.Mean(v) * part.measure)
+                                          - self.theta * part.value * part.Mean(v) * part.measure)
                 for part in self.parts if part.region is not None}
 
     def Fluxes(self, gfu):

@@ -31,7 +31,8 @@ def test_every_element_balances_force_and_moment(method, cells, order):
 @pytest.mark.parametrize("part", [Interior, Clamped])
 @pytest.mark.parametrize("method", DG, ids=["auto", "30"])
 def test_a_flux_without_its_penalty_does_not_balance(method, part, monkeypatch):
-    solution = UzawaSolver().Solve(Discretization(Example(**FORCED), method, Distorted("triangle"), order=1))
+    disc = Discretization(Example(**FORCED), method, Distorted("triangle"), order=1, assembly="skeleton")
+    solution = UzawaSolver().Solve(disc)
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
     monkeypatch.setattr(part, "Flux", part.Mean)
     assert np.abs(solution.ElementImbalance()).max() > 1e-3

@@ -18,7 +18,8 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
 LAYERS = [["exceptions", "report"], ["coefficients", "storage", "meshes"], ["elasticity", "foundation"],
-          ["problem", "facets"], ["skeleton", "penalty", "contact", "validation", "stability"], ["lifting"], ["facetform"],
+          ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
+          ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"],
           ["resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
           ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves"], ["errors", "plots.canvas"],

@@ -1,0 +1,202 @@
+"""Integrals of shape functions over elements and their sides, for all elements of one type at once.
+
+Displacements are ordered component by component, v = e_i phi_a -> (i, a); so are facet functions (i, b) and, with the basis E_c
+of the symmetric matrices, liftings (c, p).  An array over n elements and their local degrees of freedom is a batch of element
+matrices, computed by one matrix product for all elements whose vertex numbers are ordered alike.
+
+Geometry and C enter at quadrature points; where neither varies in an element, the shape functions are integrated first and the
+points disappear.
+"""
+
+from functools import cached_property
+
+import numpy as np
+
+from .geometry import CellGeometry
+
+
+def SymmetricBasis(dim):
+    """E_c, (components, d, d): the matrices that NGSolve's MatrixValued(symmetric=True) multiplies its functions by."""
+    pairs = [(i, j) for i in range(dim) for j in range(i, dim)]
+    basis = np.zeros((len(pairs), dim, dim))
+    for c, (i, j) in enumerate(pairs):
+        basis[c, i, j] = basis[c, j, i] = 1
+    return basis
+
+
+class Cells(CellGeometry):
+    """Batches of element matrices for all elements of one type; sides are numbered by s = 0 ... nf-1, n is outward."""
+
+    @cached_property
+    def basis(self):
+        return SymmetricBasis(self.dim)
+
+    @cached_property
+    def _stressgradient(self):
+        """C_ijkl G_tl, that maps reference gradients of u_k to stresses, (n, q, i, j, k, t) each."""
+        if self.material.bonus == 0 and self._affine is not None:
+            return [np.einsum("nqijkl,nqtl->nqijkt", self.C[0], self._geometry[0][0])] * (1 + len(self.sides))
+        return [np.einsum("nqijkl,nqtl->nqijkt", C, G) for C, (G, _) in zip(self.C, self._geometry)]
+
+    def _Sum(self, coefficient, integrand):
+        """sum_q w_q coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y)."""
+        result = None
+        lead = coefficient.shape[1:-2]
+        for rows, shape in zip(self.rows, self.shapes):
+            values = integrand(shape)
+            part = coefficient[rows]
+            if coefficient.shape[-2] == 1:
+                values = values.sum(axis=0, keepdims=True)
+            part = part.reshape(len(rows) * int(np.prod(lead)), -1) @ values.reshape(-1, values.shape[-1])
+            if result is None:
+                result = np.empty((len(self.elements), *lead, values.shape[-1]))
+            result[rows] = part.reshape(len(rows), *lead, -1)
+        return result
+
+    def _Gradients(self, coefficient, s=None):
+        """sum_q w_q coefficient[n, q, i, k, m, t] d_m phi_a d_t phi_b -> (n, (i, a), (k, b)), on the element or on side s."""
+        def Products(shape):
+            here = shape if s is None else shape.facets[s]
+            return np.einsum("q,qma,qtb->qmtab", here.weights, here.dv, here.dv).reshape(len(here.weights), self.dim ** 2, -1)
+
+        n, q, d = *coefficient.shape[:2], self.dim
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, d * d), Products)
+        return values.reshape(n, d, d, self.na, self.na).transpose(0, 1, 3, 2, 4).reshape(n, d * self.na, d * self.na)
+
+    def _Pairs(self, coefficient, left, right):
+        """sum_q w_q coefficient[n, q, i, k] left_a right_b -> (n, (i, a), (k, b)); left and right give (q, functions)."""
+        (n, _, rows, columns), sample = coefficient.shape, self._reference
+
+        def Products(shape):
+            weights, a, b = left(shape)[0], left(shape)[1], right(shape)[1]
+            return np.einsum("q,qa,qb->qab", weights, a, b).reshape(len(weights), 1, -1)
+
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1)[..., None], Products)
+        a, b = left(sample)[1].shape[1], right(sample)[1].shape[1]
+        return values.reshape(n, rows, columns, a, b).transpose(0, 1, 3, 2, 4).reshape(n, rows * a, columns * b)
+
+    def _Mixed(self, coefficient, left, s=None):
+        """sum_q w_q coefficient[n, q, i, k, t] left_b d_t phi_a -> (n, (i, b), (k, a))."""
+        (n, q, rows, d, _) = coefficient.shape
+
+        def Products(shape):
+            here = shape if s is None else shape.facets[s]
+            values = np.einsum("q,qb,qta->qtba", here.weights, left(shape), here.dv)
+            return values.reshape(len(here.weights), d, -1)
+
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4), Products)
+        b = left(self._reference).shape[1]
+        return values.reshape(n, rows, d, b, self.na).transpose(0, 1, 3, 2, 4).reshape(n, rows * b, d * self.na)
+
+    def _Side(self, s, name):
+        return lambda shape: (shape.facets[s].weights, getattr(shape.facets[s], name))
+
+    @cached_property
+    def energy(self):
+        """K = int C eps(u):eps(v), (n, (i a), (k b))."""
+        G, volume = self._geometry[0]
+        stress = self._stressgradient[0] * volume[..., None, None, None, None]
+        return self._Gradients(np.einsum("nqmj,nqijkt->nqikmt", G, stress))
+
+    @cached_property
+    def rotations(self):
+        """int (d_i u_k - d_k u_i), i < k, as functionals, (n, (k a), pairs)."""
+        G, volume = self._geometry[0]
+        pairs = [(i, k) for i in range(self.dim) for k in range(i + 1, self.dim)]
+        curl = np.zeros((len(pairs), self.dim, self.dim))
+        for number, (i, k) in enumerate(pairs):
+            curl[number, k, i], curl[number, i, k] = 1, -1
+        coefficient = np.einsum("rkl,nqtl,nq->nqrkt", curl, G, volume)
+        return np.swapaxes(self._Mixed(coefficient, lambda shape: np.ones((len(shape.weights), 1))), 1, 2)
+
+    def Trace(self, s):
+        """int_e u.mu with the transmitted part of u, (n, (i b), (k a))."""
+        _, measure = self._boundary[s]
+        transmitted = self._transmitted[s]
+        transmitted = np.eye(self.dim)[None, None] if transmitted is None else transmitted
+        return self._Pairs(measure[..., None, None] * transmitted, self._Side(s, "m"), self._Side(s, "v"))
+
+    def Traction(self, s):
+        """int_e {C eps(u) n}.mu with the transmitted part of the traction, (n, (i b), (k a))."""
+        return self._Mixed(self._Transmit(s, self._StressOnNormal(s)), lambda shape: shape.facets[s].m, s)
+
+    def _StressOnNormal(self, s):
+        """n_j C_ijkl G_tl ds, (n, q, i, k, t)."""
+        n, measure = self._boundary[s]
+        return np.einsum("nqj,nqijkt->nqikt", n * measure[..., None], self._stressgradient[1 + s])
+
+    def _Transmit(self, s, coefficient):
+        transmitted = self._transmitted[s]
+        return coefficient if transmitted is None else np.einsum("nqij,nqj...->nqi...", transmitted, coefficient)
+
+    def LiftedTraction(self, s):
+        """int_e q n.mu with the transmitted part of the traction, (n, (i b), (c p))."""
+        n, measure = self._boundary[s]
+        coefficient = self._Transmit(s, np.einsum("nqj,cij->nqic", n * measure[..., None], self.basis))
+        return self._Pairs(coefficient, self._Side(s, "m"), self._Side(s, "p"))
+
+    def TraceMass(self, s):
+        """int_e mu nu, scalar, (n, b, b)."""
+        _, measure = self._boundary[s]
+        return self._Pairs(measure[..., None, None], self._Side(s, "m"), self._Side(s, "m"))
+
+    def ElasticJump(self, s):
+        """int_e {C sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
+        n, measure = self._boundary[s]
+        acoustic = np.einsum("nqj,nqijkl->nqikl", n * measure[..., None], self.C[1 + s])
+        return self._JumpMass(s, np.einsum("nqikl,nql->nqik", acoustic, n))
+
+    def PlainJump(self, s):
+        """int_e {sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
+        n, measure = self._boundary[s]
+        tensor = (np.eye(self.dim) + n[..., :, None] * n[..., None, :]) / 2
+        return self._JumpMass(s, tensor * measure[..., None, None])
+
+    def _JumpMass(self, s, tensor):
+        transmitted = self._transmitted[s]
+        if transmitted is not None:
+            tensor = transmitted @ tensor @ transmitted
+        return self._Pairs(tensor, self._Side(s, "m"), self._Side(s, "m"))
+
+    def ElasticPencil(self, s):
+        """int_e C eps(u):eps(v), (n, (i a), (k b))."""
+        (G, _), (_, measure) = self._geometry[1 + s], self._boundary[s]
+        stress = self._stressgradient[1 + s] * measure[..., None, None, None, None]
+        return self._Gradients(np.einsum("nqmj,nqijkt->nqikmt", G, stress), s)
+
+    def PlainPencil(self, s):
+        """int_e 2 a.b - (a.n)(b.n), a = C eps(u) n and b = C eps(v) n, (n, (i a), (k b))."""
+        n, measure = self._boundary[s]
+        traction = np.einsum("nqj,nqijkt->nqikt", n, self._stressgradient[1 + s])
+        dual = (2 * np.eye(self.dim) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]
+        weighted = np.einsum("nqij,nqjkt->nqikt", dual, traction)
+        return self._Gradients(np.einsum("nqjim,nqjkt->nqikmt", traction, weighted), s)
+
+    @cached_property
+    def stress(self):
+        """R = int C eps(u):q, (n, (c p), (k a))."""
+        _, volume = self._geometry[0]
+        coefficient = np.einsum("cij,nqijkt->nqckt", self.basis, self._stressgradient[0] * volume[..., None, None, None, None])
+        return self._Mixed(coefficient, lambda shape: shape.p)
+
+    @cached_property
+    def _liftmasses(self):
+        """(int q:r, int C q:r), each (n, (c p), (c p))."""
+        _, volume = self._geometry[0]
+
+        def Functions(shape):
+            return shape.weights, shape.p
+
+        plain = np.einsum("cij,dij->cd", self.basis, self.basis) * volume[..., None, None]
+        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, self.C[0], self.basis) * volume[..., None, None]
+        return self._Pairs(plain, Functions, Functions), self._Pairs(weighted, Functions, Functions)
+
+    @cached_property
+    def inverseliftmass(self):
+        """M_Q^-1, (n, (c p), (c p))."""
+        return np.linalg.inv(self._liftmasses[0])
+
+    @property
+    def weightedliftmass(self):
+        """M_C, (n, (c p), (c p))."""
+        return self._liftmasses[1]

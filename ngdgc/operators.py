@@ -1,0 +1,187 @@
+"""The operators of the discontinuous Galerkin methods, as blocks on elements and facets.
+
+For a symmetric q, [v]:q = w.(q n) with the vector jump w = v+ - v-: the tensor jump is a vector jump against a traction.  So
+everything is built from integrals over elements and their sides (`cells` module), in which neighbours do not couple:
+
+    V_h  displacement, order k                    Q_h  symmetric matrices, piecewise of order l
+    F_h  vectors on the facets, order k           E0   interior facets, Gamma_D and rollers
+    K : V_h x V_h  int C eps(u):eps(v)            J : V_h x F_h  int_E0 (u+ - u-).mu
+    S : V_h x F_h  int_E0 {C eps(u)} n.mu         N : Q_h x F_h  int_E0 {q} n.mu
+    R : V_h x Q_h  int C eps(u):q                 M_F, M_Q, M_C  masses of F_h and Q_h, and the C-weighted one of Q_h
+
+    r_0([u]) = -M_Q^-1 N' M_F^-1 J u              G = N M_Q^-1 M_C M_Q^-1 N'
+
+Averages count the two sides of an interior facet by 1/2 and a boundary facet fully; the side with the smaller element number
+fixes the orientation.  On a roller w = v_n n and the traction is its normal part.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from ngsolve import L2, FacetFESpace, MatrixValued, specialcf
+
+from .patches import Patches
+from .pattern import BlockMatrix, Numbers
+
+
+class Sides:
+    """Blocks of one kind for all sides of all elements, looked up by cell group and number of facet functions."""
+
+    def __init__(self, operators, compute):
+        self._blocks = {}
+        for g, cells in enumerate(operators.cells):
+            for size, slots in operators.slots[g].items():
+                self._blocks[g, size] = np.stack([compute(cells, s) for s in slots], axis=1)
+
+    def __call__(self, side):
+        """Blocks (n, ...) of n sides."""
+        return self._blocks[side.group, side.size][side.rows, side.positions]
+
+
+class FacetOperators(Patches):
+    """The blocks of the operators on batches of facets and elements; each kind is computed when it is first used."""
+
+    @property
+    def normal(self):
+        return specialcf.normal(self.dim)
+
+    @cached_property
+    def traces(self):
+        """F_h, NGSolve's space."""
+        return FacetFESpace(self.mesh, order=self.order) ** self.dim
+
+    @cached_property
+    def liftings(self):
+        """Q_h, NGSolve's space."""
+        return MatrixValued(L2(self.mesh, order=self.liftorder), symmetric=True)
+
+    @cached_property
+    def starts(self):
+        """Scalar dofs of V_h: those of element e are starts[e] ... starts[e+1]-1."""
+        return self._Starts(lambda cells: cells.na)
+
+    @cached_property
+    def liftstarts(self):
+        """Scalar dofs of Q_h."""
+        return self._Starts(lambda cells: cells.nl)
+
+    def _Starts(self, count):
+        sizes = np.zeros(self.mesh.ne, dtype=np.int64)
+        for cells in self.cells:
+            sizes[cells.elements] = count(cells)
+        return np.concatenate([[0], np.cumsum(sizes)])
+
+    @cached_property
+    def tracestarts(self):
+        """Scalar dofs of F_h."""
+        return np.concatenate([[0], np.cumsum(self.tracesizes)])
+
+    def Dofs(self, elements):
+        """Dofs (n, m) of V_h on patches of elements (n, patch), ordered component, element, function."""
+        return Numbers(self.starts, elements, self.dim)
+
+    def TraceDofs(self, facets):
+        """Dofs (n, r) of F_h on facets (n,)."""
+        return Numbers(self.tracestarts, facets[:, None], self.dim)
+
+    @cached_property
+    def _traces(self):
+        return Sides(self, lambda cells, s: cells.Trace(s))
+
+    @cached_property
+    def _tractions(self):
+        return Sides(self, lambda cells, s: cells.Traction(s))
+
+    @cached_property
+    def _liftedtractions(self):
+        return Sides(self, lambda cells, s: cells.LiftedTraction(s))
+
+    @cached_property
+    def _projectedtractions(self):
+        """Tractions of the projection of the stress on Q_h, N M_Q^-1 R."""
+        return Sides(self, lambda cells, s: cells.LiftedTraction(s) @ cells.inverseliftmass @ cells.stress)
+
+    @cached_property
+    def _liftenergies(self):
+        """N M_Q^-1 M_C M_Q^-1 N' of single sides."""
+        def Energy(cells, s):
+            lift = cells.inverseliftmass @ np.swapaxes(cells.LiftedTraction(s), 1, 2)
+            return np.swapaxes(lift, 1, 2) @ cells.weightedliftmass @ lift
+
+        return Sides(self, Energy)
+
+    @cached_property
+    def elasticjumps(self):
+        return Sides(self, lambda cells, s: cells.ElasticJump(s))
+
+    @cached_property
+    def plainjumps(self):
+        return Sides(self, lambda cells, s: cells.PlainJump(s))
+
+    @cached_property
+    def inversemass(self):
+        """M_F^-1 of single facets, scalar, by side."""
+        return Sides(self, lambda cells, s: np.linalg.inv(cells.TraceMass(s)))
+
+    def _Joined(self, patch, blocks, factor):
+        """Blocks (n, r, m) of V_h x F_h on a patch, from those of its sides, each multiplied by factor(side) (n,)."""
+        parts = [(blocks(side) * factor(side)[:, None, None]) for side in patch.sides]
+        n, r = parts[0].shape[:2]
+        return np.concatenate([part.reshape(n, r, self.dim, -1) for part in parts], axis=3).reshape(n, r, -1)
+
+    def Apply(self, inverse, blocks):
+        """M^-1 blocks for a scalar inverse (n, b, b) and blocks (n, (i b), ...)."""
+        n, r = blocks.shape[:2]
+        return (inverse[:, None] @ blocks.reshape(n, self.dim, r // self.dim, -1)).reshape(blocks.shape)
+
+    def JumpBlocks(self, patch):
+        """J, (n, r, m)."""
+        return self._Joined(patch, self._traces, lambda side: side.sign)
+
+    def Jumps(self, patch):
+        """M_F^-1 J: the jump as coefficients in F_h, (n, r, m)."""
+        return self.Apply(self.inversemass(patch.sides[0]), self.JumpBlocks(patch))
+
+    def Tractions(self, patch, lifted):
+        """S, or N M_Q^-1 R if `lifted`, (n, r, m)."""
+        share = self.share[patch.facets]
+        return self._Joined(patch, self._projectedtractions if lifted else self._tractions, lambda side: share * side.sign)
+
+    def LocalEnergy(self, patch):
+        """(C r_e(mu), r_e(nu)), (n, r, r)."""
+        share = self.share[patch.facets]
+        return sum(share[:, None, None] ** 2 * self._liftenergies(side) for side in patch.sides)
+
+    def Liftings(self, star):
+        """-M_Q^-1 N' : the liftings of traces on the star's facets as coefficients in Q_h, [(n, (c p), r)] over its arms."""
+        inverse = self.cells[star.group].inverseliftmass[star.rows]
+        return [-inverse @ np.swapaxes(self._liftedtractions(side), 1, 2) * (self.share[facets] * side.sign)[:, None, None]
+                for side, facets, _ in star.arms]
+
+    def GlobalLifting(self, star):
+        """r_0([u]) on the star's elements from the displacements on the star, (n, (c p), m)."""
+        here, beyond = 0, []
+        for lift, (own, _, other) in zip(self.Liftings(star), star.arms):
+            # M_F is the same from both sides of a facet.
+            weighted = lift.reshape(*lift.shape[:2], self.dim, -1) @ self.inversemass(own)[:, None]
+            weighted = weighted.reshape(lift.shape)
+            here = here + weighted @ (self._traces(own) * own.sign[:, None, None])
+            if other is not None:
+                beyond.append(weighted @ (self._traces(other) * other.sign[:, None, None]))
+        n, c = here.shape[:2]
+        return np.concatenate([part.reshape(n, c, self.dim, -1) for part in (here, *beyond)], axis=3).reshape(n, c, -1)
+
+    @cached_property
+    def contains(self):
+        """True if C eps(V_h) lies in Q_h, as far as the facets see: then edge form and lifting form are the same."""
+        difference = largest = 0.0
+        for patch in self.FacetPatches():
+            plain, projected = self.Tractions(patch, False), self.Tractions(patch, True)
+            difference = max(difference, np.abs(plain - projected).max())
+            largest = max(largest, np.abs(plain).max())
+        # Round-off of products of matrices with entries of different size.
+        return difference <= 1e-10 * largest
+
+    def Matrix(self, space, reach):
+        """An empty BlockMatrix on V_h = space."""
+        return BlockMatrix(space, self.starts, self.facets.incidence.T @ self.facets.incidence, reach)

@@ -38,6 +38,15 @@ class Cells(CellGeometry):
             return [np.einsum("nqijkl,nqtl->nqijkt", self.C[0], self._geometry[0][0])] * (1 + len(self.sides))
         return [np.einsum("nqijkl,nqtl->nqijkt", C, G) for C, (G, _) in zip(self.C, self._geometry)]
 
+    @cached_property
+    def _energydensity(self):
+        """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t) each."""
+        found = []
+        for number, ((G, _), stress) in enumerate(zip(self._geometry, self._stressgradient)):
+            same = number and stress is self._stressgradient[number - 1]
+            found.append(found[-1] if same else np.einsum("nqmj,nqijkt->nqikmt", G, stress))
+        return found
+
     def _Sum(self, coefficient, integrand):
         """sum_q w_q coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y)."""
         result = None
@@ -94,9 +103,8 @@ class Cells(CellGeometry):
     @cached_property
     def energy(self):
         """K = int C eps(u):eps(v), (n, (i a), (k b))."""
-        G, volume = self._geometry[0]
-        stress = self._stressgradient[0] * volume[..., None, None, None, None]
-        return self._Gradients(np.einsum("nqmj,nqijkt->nqikmt", G, stress))
+        _, volume = self._geometry[0]
+        return self._Gradients(self._energydensity[0] * volume[..., None, None, None, None])
 
     @cached_property
     def rotations(self):
@@ -135,10 +143,17 @@ class Cells(CellGeometry):
         coefficient = self._Transmit(s, np.einsum("nqj,cij->nqic", n * measure[..., None], self.basis))
         return self._Pairs(coefficient, self._Side(s, "m"), self._Side(s, "p"))
 
-    def TraceMass(self, s):
-        """int_e mu nu, scalar, (n, b, b)."""
+    def InverseTraceMass(self, s):
+        """The inverse of int_e mu nu, scalar, (n, b, b)."""
         _, measure = self._boundary[s]
-        return self._Pairs(measure[..., None, None], self._Side(s, "m"), self._Side(s, "m"))
+        if measure.shape[1] > 1:
+            return np.linalg.inv(self._Pairs(measure[..., None, None], self._Side(s, "m"), self._Side(s, "m")))
+
+        def Inverse(shape):
+            facet = shape.facets[s]
+            return np.linalg.inv(np.einsum("q,qa,qb->ab", facet.weights, facet.m, facet.m)).reshape(1, 1, -1)
+
+        return self._Sum(1 / measure[:, :, None], Inverse).reshape(len(measure), self.nm(s), self.nm(s))
 
     def ElasticJump(self, s):
         """int_e {C sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
@@ -160,9 +175,8 @@ class Cells(CellGeometry):
 
     def ElasticPencil(self, s):
         """int_e C eps(u):eps(v), (n, (i a), (k b))."""
-        (G, _), (_, measure) = self._geometry[1 + s], self._boundary[s]
-        stress = self._stressgradient[1 + s] * measure[..., None, None, None, None]
-        return self._Gradients(np.einsum("nqmj,nqijkt->nqikmt", G, stress), s)
+        _, measure = self._boundary[s]
+        return self._Gradients(self._energydensity[1 + s] * measure[..., None, None, None, None], s)
 
     def PlainPencil(self, s):
         """int_e 2 a.b - (a.n)(b.n), a = C eps(u) n and b = C eps(v) n, (n, (i a), (k b))."""

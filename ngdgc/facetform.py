@@ -14,6 +14,7 @@ import numpy as np
 from ngsolve import GridFunction, LinearForm, ds
 
 from .coefficients import Unfolded
+from .parallel import Map
 
 
 class FacetForm:
@@ -45,22 +46,32 @@ class FacetForm:
         matrix = operators.Matrix(self.space, reach=2 if self.globallift else 1)
         for cells in operators.cells:
             matrix.Add(cells.elements[:, None], cells.energy)
-        for patch in operators.FacetPatches():
-            jumps = operators.Jumps(patch)
-            transposed = np.swapaxes(jumps, 1, 2)
-            block = transposed @ (self.FacetMatrix(patch) @ jumps)
-            if consistency:
-                coupling = transposed @ operators.Tractions(patch, self.lifted)
-                block -= coupling
-                if self.theta:
-                    block -= self.theta * np.swapaxes(coupling, 1, 2)
-            matrix.Add(patch.elements, block)
+        for elements, block in Map(lambda patch: self._FacetBlock(patch, consistency), operators.FacetPatches(),
+                                   threads=operators.many):
+            matrix.Add(elements, block)
         if self.globallift:
-            for star in operators.Stars():
-                lifting = operators.GlobalLifting(star)
-                weighted = operators.cells[star.group].weightedliftmass[star.rows] @ lifting
-                matrix.Add(star.elements, np.swapaxes(lifting, 1, 2) @ weighted)
+            for elements, block in Map(self._StarBlock, operators.Stars(), threads=operators.many):
+                matrix.Add(elements, block)
         return matrix.native
+
+    def _FacetBlock(self, patch, consistency):
+        """(elements, block) of the terms on a batch of facets."""
+        operators = self.operators
+        jumps = operators.Jumps(patch)
+        transposed = np.swapaxes(jumps, 1, 2)
+        block = transposed @ (self.FacetMatrix(patch) @ jumps)
+        if consistency:
+            coupling = transposed @ operators.Tractions(patch, self.lifted)
+            block -= coupling
+            if self.theta:
+                block -= self.theta * np.swapaxes(coupling, 1, 2)
+        return patch.elements, block
+
+    def _StarBlock(self, star):
+        """(elements, block) of (C r_0[u], r_0[v]) on a batch of elements."""
+        lifting = self.operators.GlobalLifting(star)
+        weighted = self.operators.cells[star.group].weightedliftmass[star.rows] @ lifting
+        return star.elements, np.swapaxes(lifting, 1, 2) @ weighted
 
     def _Data(self):
         """{region: values prescribed on it, coefficients in F_h}."""

@@ -114,11 +114,23 @@ class CellGeometry:
 def _ByOrder(vertices):
     """(order of the vertex numbers as a tuple of ranks, rows where they have this order)."""
     count = vertices.shape[1]
-    ranks = [sum((vertices[:, j] < vertices[:, i]).astype(np.int64) for j in range(count)) for i in range(count)]
-    code = sum(rank * count ** i for i, rank in enumerate(ranks))
-    order = np.argsort(code, kind="stable")
-    for rows in np.split(order, np.flatnonzero(np.diff(code[order])) + 1):
+    ranks = [sum((vertices[:, j] < vertices[:, i]).astype(np.int8) for j in range(count)) for i in range(count)]
+    for rows in Equal(*ranks):
         yield tuple(int(rank[rows[0]]) for rank in ranks), rows
+
+
+def Equal(*keys):
+    """Index arrays, ascending, of the entries for which all keys (small integers >= -1) agree."""
+    code = np.zeros(len(keys[0]), dtype=np.int64)
+    for key in keys:
+        code = code * (int(key.max(initial=0)) + 2) + key + 1
+    if code.max(initial=0) >= 1 << 15:
+        code = np.unique(code, return_inverse=True)[1]
+    if code.max(initial=0) < 1 << 15:
+        code = code.astype(np.int16)        # numpy sorts these in linear time
+    order = np.argsort(code, kind="stable")
+    if len(order):
+        yield from np.split(order, np.flatnonzero(np.diff(code[order])) + 1)
 
 
 def _Geometry(maps):

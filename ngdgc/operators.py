@@ -15,11 +15,12 @@ Averages count the two sides of an interior facet by 1/2 and a boundary facet fu
 fixes the orientation.  On a roller w = v_n n and the traction is its normal part.
 """
 
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from ngsolve import L2, FacetFESpace, MatrixValued, specialcf
 
+from .parallel import Map
 from .patches import Patches
 from .pattern import BlockMatrix, Numbers
 
@@ -31,7 +32,12 @@ class Sides:
         self._blocks = {}
         for g, cells in enumerate(operators.cells):
             for size, slots in operators.slots[g].items():
-                self._blocks[g, size] = np.stack([compute(cells, s) for s in slots], axis=1)
+                blocks = None
+                for position, computed in enumerate(Map(partial(compute, cells), slots, threads=operators.many)):
+                    if blocks is None:
+                        blocks = np.empty((len(computed), len(slots), *computed.shape[1:]))
+                    blocks[:, position] = computed
+                self._blocks[g, size] = blocks
 
     def __call__(self, side):
         """Blocks (n, ...) of n sides."""
@@ -121,7 +127,7 @@ class FacetOperators(Patches):
     @cached_property
     def inversemass(self):
         """M_F^-1 of single facets, scalar, by side."""
-        return Sides(self, lambda cells, s: np.linalg.inv(cells.TraceMass(s)))
+        return Sides(self, lambda cells, s: cells.InverseTraceMass(s))
 
     def _Joined(self, patch, blocks, factor):
         """Blocks (n, r, m) of V_h x F_h on a patch, from those of its sides, each multiplied by factor(side) (n,)."""

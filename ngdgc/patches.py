@@ -7,9 +7,11 @@ import numpy as np
 from ngsolve import ET, H1, VOL
 
 from .cells import Cells
+from .facets import THREADED
+from .geometry import Equal
 
 TYPES = {2: {3: ET.TRIG, 4: ET.QUAD}, 3: {4: ET.TET, 5: ET.PYRAMID, 6: ET.PRISM, 8: ET.HEX}}      # by number of vertices
-BATCH = 1 << 22     # matrix entries worked on at once: large enough for numpy, small enough for the cache and the memory
+BATCH = 1 << 19     # matrix entries worked on at once: large enough for numpy, small enough for the cache and the memory
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,7 @@ class Patches:
     def __init__(self, material, facets, order, liftorder, share, rollers):
         mesh = facets.mesh
         self.mesh, self.dim, self.material, self.facets, self.share = mesh, mesh.dim, material, facets, share
-        self.order, self.liftorder = order, liftorder
+        self.order, self.liftorder, self.many = order, liftorder, mesh.ne > THREADED
         self.cells = list(self._Groups(rollers))
         self.slots = [self._SlotsBySize(cells) for cells in self.cells]
         self._TabulateSides()
@@ -93,7 +95,7 @@ class Patches:
                     columns.append(np.array([cells.facets[:, s], cells.elements, np.full(n, g), np.arange(n),
                                              np.full(n, size), np.full(n, position), np.full(n, s)]))
         table = np.concatenate(columns, axis=1)
-        table = table[:, np.lexsort((table[1], table[0]))]
+        table = table[:, np.argsort(table[0] * self.mesh.ne + table[1])]
         (self._facet, self._element, self._group, self._row, self._size, self._position, self._slot) = table
         self._first = np.searchsorted(self._facet, np.arange(len(self.share)))
         self.tracesizes = self._size[self._first]
@@ -108,7 +110,7 @@ class Patches:
         chosen = np.flatnonzero(self.share > 0 if wanted is None else wanted & (self.share > 0))
         first, two = self._first[chosen], self.facets.neighbours[chosen] > 1
         other = np.where(two, self._group[np.minimum(first + 1, len(self._group) - 1)], -1)
-        for members in _Equal(self._group[first], other, self._size[first]):
+        for members in Equal(self._group[first], other, self._size[first]):
             paired = two[members[0]]
             entries = self._size[first[members[0]]] * self.dim * (1 + paired) * 2 * self.dim * self.cells[0].na
             for part in _Parts(members, entries):
@@ -123,7 +125,7 @@ class Patches:
             active = self.share[cells.facets] > 0
             neighbour = np.where(active & (across >= 0), self._group[across], -1)
             rows = np.flatnonzero(active.any(axis=1) & (True if wanted is None else wanted[cells.elements]))
-            for members in _Equal(*active[rows].T, *neighbour[rows].T):
+            for members in Equal(*active[rows].T, *neighbour[rows].T):
                 for part in _Parts(rows[members], ((1 + len(cells.sides)) * self.dim * cells.na) ** 2):
                     arms, elements = [], [cells.elements[part]]
                     for s in np.flatnonzero(active[part[0]]):
@@ -145,15 +147,6 @@ class Patches:
             two = self.facets.neighbours[self._facet[numbers]] > 1
             across[self._row[numbers], self._slot[numbers]] = np.where(two, 2 * first + 1 - numbers, -1)
         return found
-
-
-def _Equal(*keys):
-    """Index arrays of the entries for which all keys agree."""
-    if not len(keys[0]):
-        return
-    _, number = np.unique(np.stack(keys, axis=1), axis=0, return_inverse=True)
-    order = np.argsort(number.ravel(), kind="stable")
-    yield from np.split(order, np.flatnonzero(np.diff(number.ravel()[order])) + 1)
 
 
 def _Parts(members, entries):

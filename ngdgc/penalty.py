@@ -14,13 +14,13 @@ sigma : C^-1 sigma / gamma_{K,e} for P = {gamma C} sym(w (x) n).  The smallest k
 of element matrices: sharp in order, shape and material of the element, and without unknown constants.
 """
 
-from concurrent.futures import ThreadPoolExecutor
 from functools import cached_property
 
 import numpy as np
 from ngsolve import L2, GridFunction, OuterProduct, Sym
 
-from .facets import VolumePoints
+from .facets import THREADED, VolumePoints
+from .parallel import Map
 
 MARGIN = 2      # kappa_K = 1/MARGIN for penalty="auto": B_h >= (1 - 1/sqrt 2) of the energy norm
 
@@ -36,8 +36,12 @@ def ElementPencil(operators, facetweight, pencil):
         weights = facetweight[cells.facets]
         touched = np.flatnonzero(weights.any(axis=1))
         if len(touched):
-            upper = sum(weights[touched, s, None, None] * pencil(cells, s)[touched] for s in cells.sides)
-            largest[cells.elements[touched]] = _LargestEigenvalues(upper, cells.energy[touched], cells.rotations[touched])
+            upper = np.zeros_like(cells.energy)
+            for matrices in Map(lambda s, cells=cells, weights=weights: weights[:, s, None, None] * pencil(cells, s),
+                                cells.sides, threads=operators.many):
+                upper += matrices
+            largest[cells.elements[touched]] = _LargestEigenvalues(upper[touched], cells.energy[touched],
+                                                                   cells.rotations[touched])
     return largest
 
 
@@ -57,10 +61,8 @@ def _LargestEigenvalues(upper, lower, rotations):
         factor = np.linalg.inv(np.linalg.cholesky(lower[part]))
         return np.linalg.eigvalsh(factor @ upper[part] @ np.swapaxes(factor, 1, 2))[:, -1]
 
-    # numpy's batches run without Python's lock.
-    halves = np.array_split(np.arange(len(lower)), 2)
-    with ThreadPoolExecutor(2) as pool:
-        return np.concatenate(list(pool.map(Solve, halves)))
+    parts = np.array_split(np.arange(len(lower)), 1 + len(lower) // THREADED)
+    return np.concatenate(list(Map(Solve, parts, threads=len(parts) > 1)))
 
 
 def Penalty(value, weighting, operators):

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "report"], ["coefficients", "storage", "meshes"], ["elasticity", "foundation"],
+LAYERS = [["exceptions", "report", "parallel"], ["coefficients", "storage", "meshes"], ["elasticity", "foundation"],
           ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"],

@@ -1,0 +1,20 @@
+"""Batches of numpy work on all processors: numpy gives up Python's lock inside its loops."""
+
+import os
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
+from itertools import islice
+
+
+def Map(function, items, *, threads):
+    """function(item) for each item, in order; with `threads` on all processors, only few results ahead of the consumer."""
+    workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    if not threads or workers < 2:
+        yield from map(function, items)
+        return
+    items = iter(items)
+    with ThreadPoolExecutor(workers) as pool:
+        pending = deque(pool.submit(function, item) for item in islice(items, 2 * workers))
+        while pending:
+            yield pending.popleft().result()
+            pending.extend(pool.submit(function, item) for item in islice(items, 1))

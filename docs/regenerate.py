@@ -17,7 +17,7 @@ from ngdgc.variants import Variants
 DOCS = Path(__file__).parent
 EXAMPLES = {"4.1": (example_4_1, (0, 0.05)), "4.2": (example_4_2, (0, 0))}
 # (cells, form or None for both, orders, sizes): in 3D one form and small meshes, the matrices are dense there.
-STUDIES = (("triangle", None, (1, 2, 3, 4), (4, 8, 16)), ("quad", None, (1, 2), (4, 8, 16)), ("tet", "edge", (1,), (2, 4, 6)),
+STUDIES = (("triangle", None, (1, 2, 3, 4), (3, 6, 12)), ("quad", None, (1, 2), (4, 8, 16)), ("tet", "edge", (1,), (2, 4, 6)),
            ("hex", "lifting", (1,), (2, 4, 6)), ("prism", "edge", (1,), (2, 4, 6)))
 METHODS = {"IP, penalty='auto'": InteriorPenalty(), "IP, penalty=30": InteriorPenalty(penalty=30), "H1": Conforming()}
 
@@ -91,18 +91,18 @@ def Locking():
     sweeps = [locking.Study(method, order=order) for method in Variants(form="edge").values() for order in (1, 2)]
     LockingFigure(sweeps).savefig(DOCS / "images" / "locking.png", dpi=110)
     return ["## Nearly incompressible bodies", "",
-            "The relative strain error |eps_h(u - u_h)|/|eps(u)| on triangles, mesh 1/16, while lam grows and mu = 2.  The last",
-            "column is the last error over the first: conforming elements lock, the discontinuous methods do not.", "",
+            "The relative strain error |eps_h(u - u_h)|/|eps(u)| on triangles, mesh 1/16, while lam grows and mu = 2.  The",
+            "last column is the last error over the first: near 1 without locking, large where a method locks.", "",
             "![locking](images/locking.png)", "", locking.Markdown(sweeps), ""]
 
 
 def ConvergencePage():
     lines = ["# Convergence and locking", "", "Written by `python docs/regenerate.py`; `ngdgc convergence` and `ngdgc locking` "
              "make the same tables and figures.", "",
-             "The smooth solution `ngdgc.exact.SmoothSlip` (2D after Chouly, Ern, Pignet 2020; in 3D the same field in an oblique",
-             "direction) with contact, Coulomb friction and slip on the whole of Gamma_C, mu = 2, lam = 1.  Every method has its",
-             "automatic penalty.  Expected orders: k in the energy norm |u - u_h|_(1,h), k + 1 in L2.  The tables give the errors",
-             "on the finest mesh 1/n and the orders observed between the last two meshes, the figures all meshes.", ""]
+             "The smooth solution `ngdgc.exact.SmoothSlip` (2D after Chouly, Ern, Pignet 2020; in 3D the same field in an",
+             "oblique direction) slips with Coulomb friction on the whole of Gamma_C; mu = 2, lam = 1.  Every method has its",
+             "automatic penalty.  Expected orders: k in the energy norm |u - u_h|_(1,h), k + 1 in L2.  The tables give the",
+             "errors on the finest mesh 1/n and the orders observed between the last two meshes, the figures all meshes.", ""]
     for study in STUDIES:
         lines += Convergence(*study)
     return "\n".join(lines + Locking())

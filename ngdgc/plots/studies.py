@@ -2,7 +2,7 @@
 
 import numpy as np
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, NullLocator
 
 from .canvas import BLUE, GREEN, ORANGE, VERMILION
 
@@ -61,6 +61,7 @@ def _Style(label):
 def _Slope(axes, series, norm, slope):
     """A right-angled triangle with hypotenuse of the slope, below the curves at their two finest meshes."""
     coarse, fine = (1 / n for n in series[0].n[-2:])
+    fine = np.sqrt(coarse * fine)       # half the way: steep ones stay clear of the next order's curves
     top = 0.55 * min(getattr(one, norm)[-2] for one in series)
     bottom = top * (fine / coarse) ** slope
     axes.plot([fine, coarse, coarse, fine], [bottom, bottom, top, bottom], color="#555555", linewidth=0.9, gid="slope")
@@ -69,7 +70,6 @@ def _Slope(axes, series, norm, slope):
 
 
 def _Finish(axes):
-    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#DDDDDD", linewidth=0.6)
 

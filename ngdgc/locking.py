@@ -37,9 +37,10 @@ class Sweep:
 
 
 def Study(method, *, order=1, n=16, lam=LAMBDA, cells="triangle", mesh=UnitMesh, solver=SOLVER, callback=None):
-    """Solve B2 for every `lam` on one mesh and return the Sweep.
+    """Solve B2 for every `lam` on one mesh of the unit square or cube, mesh(n, cells), and return the Sweep.
 
-    lam : values > 0 [stress], while mu = 2 [stress];  callback : called with a line of progress before each solve
+    lam : values > 0 [stress], while mu = 2 [stress]
+    callback : called with a line of progress before each solve
 
     Raises ProblemError for fewer than two values, and what mesh and solver raise.
 
@@ -49,12 +50,12 @@ def Study(method, *, order=1, n=16, lam=LAMBDA, cells="triangle", mesh=UnitMesh,
     """
     if len(lam) < 2:
         raise ProblemError(f"lam is {lam}; a comparison needs at least two values, for example 1 1e6")
-    errors = []
+    grid, errors = mesh(n, cells), []
     for value in lam:
         if callback:
             callback(f"{Label(method)}, order {order}, lam = {value:g}")
-        exact = SmoothSlip(lam=value)
-        solution = solver.Solve(Discretization(exact.problem, method, mesh(n, cells), order=order))
+        exact = SmoothSlip(lam=value, dim=grid.dim)
+        solution = solver.Solve(Discretization(exact.problem, method, grid, order=order))
         errors.append(StrainError(solution, exact.displacement))
     return Sweep(Label(method), order, n, tuple(lam), np.array(errors))
 

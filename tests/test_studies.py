@@ -109,6 +109,12 @@ def test_locking_control_conforming_elements_of_order_one_lock():
     assert Last(InteriorPenalty(), 16) == pytest.approx(Last(InteriorPenalty(), 8) / 2, rel=0.1)
 
 
+def test_locking_in_three_dimensions():
+    """Hexahedra: two values of lam on one mesh of the cube, conforming elements against LDG."""
+    assert locking.Study(LDG(), n=2, lam=(1, 1e6), cells="hex").factor < 2
+    assert locking.Study(Conforming(), order=2, n=2, lam=(1, 1e6), cells="hex").factor > 2
+
+
 def test_locking_figure_and_table_hold_the_errors():
     sweeps = [locking.Sweep(label, order, 8, (1.0, 1e6), np.array([1e-2, factor * 1e-2]) / order)
               for factor, label in enumerate(("IP edge", "H1"), 1) for order in (1, 2)]

@@ -1,20 +1,23 @@
-"""The command `ngdgc`: run a case, print Table 3."""
+"""The command `ngdgc`: run a case, or one of the studies."""
 
 import argparse
 import importlib.util
 import inspect
-import math
 import sys
 from pathlib import Path
 
 from . import __version__
+from .arguments import Finite, Folder, NumberOrAuto, Positive
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from .studies import AddStudies
 
 EPILOG = """examples:
   ngdgc cases                                                  list the cases
   ngdgc run cases/example_4_1.py --method ip --n 16 --out results/
   ngdgc run example_4_2 --method h1 --order 2 --plane strain
   ngdgc table3                                                 Table 3 of the paper beside ours
+  ngdgc convergence --method all --order 1 2 --cells triangle  errors and orders on a smooth solution
+  ngdgc locking                                                errors of nearly incompressible bodies
 
 exit codes: 0 solved, 1 not converged (what was computed is written), 2 wrong input, 130 interrupted"""
 
@@ -27,6 +30,9 @@ def Main(arguments=None):
     except ProblemError as error:
         print(f"ngdgc: {error}", file=sys.stderr)
         return 2
+    except NotConvergedError as error:
+        print(f"ngdgc: {error}", file=sys.stderr)
+        return 1
     except KeyboardInterrupt:
         print("ngdgc: interrupted", file=sys.stderr)
         return 130
@@ -50,11 +56,7 @@ def _Parser():
     _AddRun(commands)
     listing = commands.add_parser("cases", help="list the cases that come with the package")
     listing.set_defaults(command=ListCases)
-    table = commands.add_parser("table3", help="print Table 3 of the paper, in both protocols, beside our numbers")
-    table.add_argument("--n", type=_Positive, default=128, help="reference mesh 1/n (default 128, the paper's)")
-    table.add_argument("--page", metavar="FILE", default="docs/table3.md" if Path("docs").is_dir() else None,
-                       help="the documentation page to write (default docs/table3.md, in a checkout)")
-    table.set_defaults(command=Table3)
+    AddStudies(commands)
     return parser
 
 
@@ -64,42 +66,18 @@ def _AddRun(commands):
     run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
     run.add_argument("--method", default="ip", help="ip (interior penalty), bassi, brezzi, ldg or h1 (conforming); default ip")
     run.add_argument("--form", default="edge", help="edge or lifting form of a discontinuous method (default edge)")
-    run.add_argument("--penalty", default="auto", type=_NumberOrAuto, help="auto, or a number: for ip and ldg as in the "
+    run.add_argument("--penalty", default="auto", type=NumberOrAuto, help="auto, or a number: for ip and ldg as in the "
                      "paper's eta = penalty mu order^2, for bassi and brezzi the factor of the lifting term")
-    run.add_argument("--order", type=_Positive, default=1, help="polynomial degree of the displacement (default 1)")
-    run.add_argument("--n", type=_Positive, default=16, help="cells per side (default 16)")
+    run.add_argument("--order", type=Positive, default=1, help="polynomial degree of the displacement (default 1)")
+    run.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
     run.add_argument("--plane", help="stress or strain (default: the case's own)")
     run.add_argument("--cells", help="triangle, triangle-flipped or quad (default: the case's own)")
-    run.add_argument("--rho", default="auto", type=_NumberOrAuto, help="step of Uzawa's friction update: auto or a number")
-    run.add_argument("--tol", type=_Finite, default=1e-10, help="relative tolerance of the iteration (default 1e-10)")
-    run.add_argument("--maxiter", type=_Positive, default=10000, help="limit of iterations (default 10000)")
-    run.add_argument("--scale", type=_Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
+    run.add_argument("--rho", default="auto", type=NumberOrAuto, help="step of Uzawa's friction update: auto or a number")
+    run.add_argument("--tol", type=Finite, default=1e-10, help="relative tolerance of the iteration (default 1e-10)")
+    run.add_argument("--maxiter", type=Positive, default=10000, help="limit of iterations (default 10000)")
+    run.add_argument("--scale", type=Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
     run.set_defaults(command=Run)
-
-
-def _Positive(text):
-    try:
-        value = int(text)
-    except ValueError:
-        value = 0
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer")
-    return value
-
-
-def _Finite(text):
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
-    return value
-
-
-def _NumberOrAuto(text):
-    return text if text == "auto" else _Finite(text)
 
 
 def CaseFiles():
@@ -139,7 +117,7 @@ def Run(options):
 
     case = LoadCase(options.case)
     arguments = _CaseArguments(case, options)
-    folder = _Folder(options.out)
+    folder = Folder(options.out)
     progress = Progress(sys.stdout)
     name = Path(options.case).stem
     print(f"{name}: {arguments['method']}, order {options.order}, n = {options.n}")
@@ -189,30 +167,6 @@ def _CaseArguments(case, options):
                 raise ProblemError(f"--{name} does not apply to this case")
             arguments[name] = value
     return arguments
-
-
-def _Folder(name):
-    folder = Path(name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ProblemError(f"cannot write into {name}: {error.strerror}") from error
-    return folder
-
-
-def Table3(options):
-    """Print Table 3; write the page if asked."""
-    from .table3 import Page, Study, Text
-
-    study = Study(n=options.n, callback=lambda line: print(line, file=sys.stderr, flush=True))
-    print(Text(study))
-    if options.page:
-        try:
-            Path(options.page).write_text(Page(study), encoding="utf-8")
-        except OSError as error:
-            raise ProblemError(f"cannot write {options.page}: {error.strerror}") from error
-        print(f"\nwritten to {options.page}")
-    return 0
 
 
 if __name__ == "__main__":

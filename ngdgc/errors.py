@@ -15,9 +15,16 @@ def L2Error(solution, displacement):
 
 
 def EnergyError(solution, displacement):
-    """Square root of int C eps_h(u - u_h):eps_h(u - u_h), the paper's |.|_{1,h} [sqrt(stress length^d)], in 2D."""
+    """Square root of int C eps_h(u - u_h):eps_h(u - u_h), the paper's |.|_{1,h} [sqrt(stress length^d)]."""
     difference = solution.strain - ExactStrain(displacement)
     return _Norm(InnerProduct(solution.disc.problem.material.Stress(difference), difference), solution)
+
+
+def StrainError(solution, displacement):
+    """|eps_h(u - u_h)|/|eps(u)| in L2(Omega), no unit: the broken H1 error without C, which lam does not weight."""
+    strain = ExactStrain(displacement)
+    difference = solution.strain - strain
+    return _Norm(InnerProduct(difference, difference), solution) / _Norm(InnerProduct(strain, strain), solution)
 
 
 def _Norm(square, solution):
@@ -25,7 +32,7 @@ def _Norm(square, solution):
 
 
 def Rates(errors, ratio=2):
-    """Observed orders log(e_i/e_(i+1))/log(ratio) of errors on meshes refined by `ratio`, one less than errors.
+    """Observed orders log(e_i/e_(i+1))/log(ratio) of errors on meshes refined by `ratio`, a number or one per refinement.
 
     >>> [float(rate) for rate in Rates([4.0, 1.0])]
     [2.0]

@@ -1,56 +1,72 @@
 """Problems with known solutions, to test any method, order and mesh against.
 
-Each function returns an `Exact`: a ContactProblem on a rectangle with contact on "bottom", and its displacement.  Rectangles
-come from `meshes.RectangleMesh`, whose sides are "bottom", "right", "top", "left".
+Each function returns an `Exact`: a ContactProblem on a rectangle or a box with contact on "bottom", and its displacement.
+Rectangles come from `meshes.RectangleMesh`, whose sides are "bottom", "right", "top", "left"; boxes from `meshes.BoxMesh`, with
+"bottom", "top" (z = 0, 1), "back", "front" (x = 0, 1) and "left", "right" (y = 0, 1).
 """
 
 from dataclasses import dataclass
 from typing import Any
 
-from ngsolve import CF, Sym, exp, specialcf, x, y
+from ngsolve import CF, Sym, exp, specialcf, x, y, z
 
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
 from .foundation import CoulombFriction, Foundation, FrictionLaw, NormalCompliance, TrescaFriction
 from .problem import ContactProblem
 
-SIDES = "right|top|left"
+WALLS = {2: "left|right", 3: "back|left|front|right"}      # all but bottom and top
+OBLIQUE = 0.6, 0.8      # direction of the tangential displacement on Gamma_C in 3D: no axis, no diagonal of a mesh
 
 
 @dataclass(frozen=True)
 class Exact:
-    """A problem and its exact displacement (CoefficientFunction, 2 components) [length]."""
+    """A problem and its exact displacement (CoefficientFunction, d components) [length]."""
 
     problem: ContactProblem
     displacement: Any
 
 
 def ExactStrain(u):
-    """eps(u) of a CoefficientFunction in x and y, by symbolic differentiation."""
-    return Sym(CF((u[0].Diff(x), u[0].Diff(y), u[1].Diff(x), u[1].Diff(y)), dims=(2, 2)))
+    """eps(u) of a CoefficientFunction with d = 2 or 3 components, by symbolic differentiation, shape (d, d), no unit."""
+    d = u.dim
+    return Sym(CF(tuple(u[i].Diff(xj) for i in range(d) for xj in (x, y, z)[:d]), dims=(d, d)))
 
 
 def BodyForce(material, u):
-    """f_1 = -div C eps(u), for constant or varying C."""
+    """f_1 = -div C eps(u) [stress/length], for constant or varying C."""
     stress = material.Stress(ExactStrain(u))
-    return CF(tuple(-stress[i, 0].Diff(x) - stress[i, 1].Diff(y) for i in range(2)))
+    return CF(tuple(-sum(stress[i, j].Diff(xj) for j, xj in enumerate((x, y, z)[:u.dim])) for i in range(u.dim)))
 
 
 def Traction(material, u):
-    """sigma(u) n on the boundary."""
-    return material.Stress(ExactStrain(u)) * specialcf.normal(2)
+    """sigma(u) n on the boundary [stress]."""
+    return material.Stress(ExactStrain(u)) * specialcf.normal(u.dim)
 
 
-def AffinePatch(zone, *, material=None, stiffness=100.0, exponent=1, bound=3.0, gap=0.1, coulomb=None, sides="dirichlet"):
-    """B0: u_x = c + s y, u_y = -w - e y on (0,1)^2; every consistent method returns it to round-off.
+def _Plane(ut, un, dim):
+    """The vector with components ut along the contact plane, in 3D in the direction OBLIQUE, and un across it."""
+    return CF((ut, un)) if dim == 2 else CF((OBLIQUE[0] * ut, OBLIQUE[1] * ut, un))
 
-    On y = 0: u_n = w, sigma_n = -(lam + 2 mu) e, sigma_t = -mu s along x, and e = p_n(w - g)/(lam + 2 mu).  "slip" has c > 0
-    and s = p_t/mu, "stick" c = 0 and |mu s| = p_t/2, "open" w < g and e = s = 0.
 
-    `sides`: "dirichlet", u given on the other sides; "traction", on the top only, with sigma n on the left and right;
-    "roller", u_n and the tangential part of sigma n on the left and right.  With `coulomb` the friction is
-    p_t = coulomb p_n instead of Tresca's `bound`.
+def _CheckDimension(dim):
+    if dim not in (2, 3):
+        raise ProblemError(f"dim is {dim!r}; choose 2 or 3")
+
+
+def AffinePatch(zone, *, material=None, stiffness=100.0, exponent=1, bound=3.0, gap=0.1, coulomb=None, sides="dirichlet",
+                dim=2):
+    """B0: u_t = (c + s h) e, u_h = -w - e h on (0,1)^dim, h the height; every consistent method returns it to round-off.
+
+    On h = 0: u_n = w, sigma_n = -(lam + 2 mu) e, sigma_t = -mu s along the tangent, x in 2D and OBLIQUE in 3D, and
+    e = p_n(w - g)/(lam + 2 mu).  "slip" has c > 0 and s = p_t/mu, "stick" c = 0 and |mu s| = p_t/2, "open" w < g and e = s = 0.
+
+    `sides`: "dirichlet", u given on the other sides; "traction", on the top only, with sigma n on the walls; "roller", u_n and
+    the tangential part of sigma n on the walls.  With `coulomb` the friction is p_t = coulomb p_n instead of Tresca's `bound`.
+
+    Raises ProblemError for an unknown zone, `sides` or dimension.
     """
+    _CheckDimension(dim)
     material = material or HookeMaterial(mu=1000.0, lam=1500.0)
     law = NormalCompliance(stiffness, exponent)
     friction = TrescaFriction(bound) if coulomb is None else CoulombFriction(coulomb)
@@ -62,21 +78,20 @@ def AffinePatch(zone, *, material=None, stiffness=100.0, exponent=1, bound=3.0, 
     e = pressure / (material.lam + 2 * material.mu)
     # Open with a constant bound: no pressure, but Tresca's friction acts wherever u_t is not zero, so c = 0 there.
     c, s = {"slip": (0.1, limit / material.mu), "stick": (0.0, limit / (2 * material.mu)), "open": (0.0, 0.0)}[zone]
-    u = CF((c + s * y, -w - e * y))
+    height = y if dim == 2 else z
+    u = _Plane(c + s * height, -w - e * height, dim)
     foundation = Foundation("bottom", law, friction=friction, gap=gap)
     return Exact(ContactProblem(material, foundation, **_Supports(material, u, sides)), u)
 
 
 def _Supports(material, u, sides):
-    stress = Traction(material, u)
-    n = specialcf.normal(2)
+    stress, n, walls = Traction(material, u), specialcf.normal(u.dim), WALLS[u.dim]
     if sides == "dirichlet":
-        return {"dirichlet": {SIDES: u}}
+        return {"dirichlet": {f"{walls}|top": u}}
     if sides == "traction":
-        return {"dirichlet": {"top": u}, "traction": {"left|right": stress}}
+        return {"dirichlet": {"top": u}, "traction": {walls: stress}}
     if sides == "roller":
-        return {"dirichlet": {"top": u}, "roller": {"left|right": u * n},
-                "traction": {"left|right": stress - (stress * n) * n}}
+        return {"dirichlet": {"top": u}, "roller": {walls: u * n}, "traction": {walls: stress - (stress * n) * n}}
     raise ProblemError(f"sides is {sides!r}; choose 'dirichlet', 'traction' or 'roller'")
 
 
@@ -95,20 +110,27 @@ def WinklerColumn(*, stiffness=100.0, exponent=1, material=None, gap=0.1, pressu
     return Exact(problem, u)
 
 
-def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1):
+def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
     """B2: smooth solution that slips everywhere, after Chouly, Ern, Pignet, SIAM J. Sci. Comput. 42 (2020).
 
-    u = (x e^(xy) (1 + c), y e^(xy) (c - 1))/6 on (0,1)^2 with c = 1/(1 + lam).  On y = 0 u_n = 0, the pressure is the constant
-    p* = lam (mu - 1)/(3 (1 + lam)) and |sigma_t| = mu x^2 (lam + 2)/(6 (1 + lam)); so g = -(p*/k)^(1/m) and Coulomb's
-    coefficient is |sigma_t|/p*.
+    u = (s e^(sh) (1 + c), h e^(sh) (c - 1))/6 on (0,1)^dim with c = 1/(1 + lam), s the coordinate along the contact plane and h
+    the height: s = x in 2D, and in 3D the plane field of the direction OBLIQUE, s = 0.6 x + 0.8 y, so that no component and no
+    derivative of u vanishes.  On h = 0 u_n = 0, the pressure is the constant p* = lam (mu - 1)/(3 (1 + lam)), and friction of
+    |sigma_t| = mu s^2 (lam + 2)/(6 (1 + lam)) opposes u_t; so g = -(p*/k)^(1/m) and Coulomb's coefficient is |sigma_t|/p*.
+
+    Raises ProblemError for mu <= 1 or lam <= 0, which would need a foundation that pulls, and for an unknown dimension.
     """
+    _CheckDimension(dim)
+    if not (mu > 1 and lam > 0):
+        raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; the foundation pushes for mu > 1 and lam > 0 only")
     material = HookeMaterial(mu=mu, lam=lam)
+    s, height = (x, y) if dim == 2 else (OBLIQUE[0] * x + OBLIQUE[1] * y, z)
     c = 1 / (1 + lam)
-    u = CF((x * exp(x * y) * (1 + c), y * exp(x * y) * (c - 1))) / 6
+    u = _Plane(s * exp(s * height) * (1 + c) / 6, height * exp(s * height) * (c - 1) / 6, dim)
     pressure = lam * (mu - 1) / (3 * (1 + lam))
     foundation = Foundation("bottom", NormalCompliance(stiffness, exponent), gap=-(pressure / stiffness) ** (1 / exponent),
-                            friction=CoulombFriction(mu * x ** 2 * (lam + 2) / (6 * (1 + lam)) / pressure))
-    problem = ContactProblem(material, foundation, dirichlet={SIDES: u}, bodyforce=BodyForce(material, u))
+                            friction=CoulombFriction(mu * s ** 2 * (lam + 2) / (6 * (1 + lam)) / pressure))
+    problem = ContactProblem(material, foundation, dirichlet={f"{WALLS[dim]}|top": u}, bodyforce=BodyForce(material, u))
     return Exact(problem, u)
 
 

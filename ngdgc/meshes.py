@@ -1,12 +1,13 @@
-"""Structured meshes of a rectangle, with a choice of cells and diagonal."""
+"""Structured meshes of a rectangle and a box, with a choice of cells and diagonal."""
 
 from numbers import Integral
 
-from ngsolve.meshes import MakeStructured2DMesh
+from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from .exceptions import ProblemError
 
 CELLS = ("triangle", "triangle-flipped", "quad")
+BOXCELLS = ("tet", "hex", "prism")
 
 
 def RectangleMesh(n, *, lower=(0, 0), upper=(1, 1), cells="triangle"):
@@ -20,10 +21,40 @@ def RectangleMesh(n, *, lower=(0, 0), upper=(1, 1), cells="triangle"):
     >>> RectangleMesh(2, cells="triangle").ne
     8
     """
-    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:
-        raise ProblemError(f"n is {n!r}; the number of cells per side must be a positive integer")
-    if cells not in CELLS:
-        raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(CELLS)}")
+    _Check(n, cells, CELLS)
     (x0, y0), (x1, y1) = lower, upper
     return MakeStructured2DMesh(quads=cells == "quad", nx=int(n), ny=int(n), flip_triangles=cells == "triangle-flipped",
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))
+
+
+def BoxMesh(n, *, lower=(0, 0, 0), upper=(1, 1, 1), cells="tet"):
+    """Uniform mesh of a box, n x n x n blocks; boundaries "back", "front" (smallest, largest x), "left", "right" (y), "bottom",
+    "top" (z).
+
+    cells : "tet", six in each block; "hex"; "prism", two in each block with their axis along z
+
+    Raises ProblemError for n < 1 or unknown cells.
+
+    >>> BoxMesh(2, cells="tet").ne
+    48
+    """
+    _Check(n, cells, BOXCELLS)
+    return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=int(n), ny=int(n), nz=int(n),
+                                mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(lower, upper, point)))
+
+
+def UnitMesh(n, cells):
+    """Uniform mesh of the unit square or cube, by its cells alone: one of CELLS or BOXCELLS.
+
+    >>> UnitMesh(2, "quad").ne, UnitMesh(2, "hex").ne
+    (4, 8)
+    """
+    _Check(n, cells, CELLS + BOXCELLS)
+    return RectangleMesh(n, cells=cells) if cells in CELLS else BoxMesh(n, cells=cells)
+
+
+def _Check(n, cells, known):
+    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:
+        raise ProblemError(f"n is {n!r}; the number of cells per side must be a positive integer")
+    if cells not in known:
+        raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(known)}")

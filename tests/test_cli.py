@@ -131,7 +131,11 @@ def test_interrupting_leaves_what_was_computed(tmp_path):
 
 
 def test_help_is_enough_to_find_ones_way(capsys):
-    for arguments, words in ((["--help"], ("run", "cases", "table3", "cases/example_4_1.py", "exit codes")),
+    for arguments, words in ((["--help"], ("run", "cases", "table3", "convergence", "locking", "cases/example_4_1.py",
+                                           "exit codes")),
+                             (["table3", "--help"], ("--method", "--n", "--page")),
+                             (["convergence", "--help"], ("--method", "--form", "--order", "--cells", "--n", "--out")),
+                             (["locking", "--help"], ("--method", "--form", "--order", "--lam", "--n", "--out")),
                              (["run", "--help"], ("--method", "--order", "--n", "--out", "--rho", "--scale"))):
         with pytest.raises(SystemExit) as stop:
             Main(arguments)

@@ -17,14 +17,15 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "report", "parallel"], ["coefficients", "storage", "meshes"], ["elasticity", "foundation"],
+LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "storage", "meshes"],
+          ["elasticity", "foundation"],
           ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"],
           ["resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
-          ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves"], ["errors", "plots.canvas"],
-          ["plots.contact", "plots.deformed", "plots.history", "plots.setting"], ["plots.__init__"], ["output", "table3"],
-          ["cli"]]
+          ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas"],
+          ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"], ["plots.__init__"],
+          ["convergence", "locking", "output", "table3"], ["studies"], ["cli"]]
 
 
 def test_tests_run_against_the_installed_package():

@@ -1,5 +1,7 @@
 """Table 3: the protocols measure what they say, on small references; the full table is a command of its own."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 from ngsolve import GridFunction, InnerProduct, Integrate
@@ -7,8 +9,8 @@ from ngsolve import GridFunction, InnerProduct, Integrate
 from ngdgc import Conforming, Discretization, InteriorPenalty, ProblemError, UzawaSolver, table3
 from ngdgc.cases import example_4_1
 from ngdgc.elasticity import Strain
-from ngdgc.table3 import (DIAGONALS, EXAMPLES, METHODS, PROTOCOLS, PUBLISHED, SIZES, BrokenP1, Errors, Page, Reading, Study,
-                          Text, Verdict)
+from ngdgc.table3 import (CLOSEST, DIAGONALS, EVERY, EXAMPLES, PROTOCOLS, PUBLISHED, SIZES, BrokenP1, Errors, FormDifferences,
+                          Methods, Page, Reading, Study, Text, Verdict)
 
 
 def Solved(method, n, cells="triangle"):
@@ -56,7 +58,7 @@ def test_closest_reading_of_example_4_1():
 def Invented(factors):
     """Readings whose errors are multiples of the published ones."""
     return [Reading(example, method, plane, cells, protocol, np.array(PUBLISHED[example]) * factors(plane, protocol))
-            for example in EXAMPLES for method in METHODS for plane in ("stress", "strain") for cells in DIAGONALS
+            for example in EXAMPLES for method in EVERY for plane in ("stress", "strain") for cells in DIAGONALS
             for protocol in PROTOCOLS]
 
 
@@ -78,13 +80,41 @@ def test_page_and_text_hold_published_numbers_ratios_and_verdict():
         assert all(sentence in text for sentence in Verdict(readings))
 
 
-def test_study_holds_every_reading(monkeypatch):
+def test_all_methods_stand_in_the_closest_reading_with_their_differences():
+    """Numbers of a method of its own in its own row; two forms that differ by 1e-3 are told so."""
+    readings = Invented(lambda plane, protocol: np.full(4, 1.23))
+    factors = {"Bassi edge": 1.5, "Bassi lifting": 1.5 * 1.001, "LDG edge": 1.7}
+    for example, (method, factor) in product(EXAMPLES, factors.items()):
+        readings += [Reading(example, method, *CLOSEST[example], "true error", factor * np.array(PUBLISHED[example]))]
+    page = Page(readings)
+    for example, (plane, cells) in CLOSEST.items():
+        section = page.split(f"## Example {example}, all methods, plane {plane}, diagonal {DIAGONALS[cells]}")[1].split("##")[0]
+        rows = [line.split("|")[1].strip() for line in section.splitlines() if line.startswith("| ")]
+        assert rows[2:7] == [f"true error, {method}" for method in (*EVERY, *factors)] and len(rows) == 2 + 2 * 3 + 3
+        assert f"{1.7 * PUBLISHED[example][0]:.4e} (1.70)" in section
+    assert FormDifferences(readings) == [f"Example {example}, Bassi: edge and lifting form, computed separately, differ by "
+                                         "1.0e-03 relatively." for example in EXAMPLES]
+    assert all(sentence in page for sentence in FormDifferences(readings))
+
+
+def test_study_holds_every_reading():
     """With the quick method alone, and the smallest reference there can be, from which the first mesh is far enough."""
-    monkeypatch.setattr(table3, "METHODS", {"H1": METHODS["H1"]})
-    readings = Study(n=64)
+    readings = Study(n=64, methods={"H1": Conforming()})
     assert len({(r.example, r.plane, r.cells, r.protocol) for r in readings}) == len(readings) == 2 * 4 * 2
     for reading in readings:
         assert np.all(np.diff(reading.errors) < 0) and 0.7 < reading.ratios[0] < 2.2
+
+
+def test_other_methods_are_read_once_with_the_penalties_of_the_page(monkeypatch):
+    """Without solving: what would be solved."""
+    assert {label: method.penalty for label, method in Methods().items() if method.discontinuous} == {
+        f"{name} {form}": 30 if name in ("IP", "LDG") else "auto"
+        for name in ("IP", "Bassi", "Brezzi", "LDG") for form in ("edge", "lifting")}
+    monkeypatch.setattr(table3, "_Read", lambda example, name, method, plane, cells, n: [(example, name, plane, cells)])
+    for name in Methods():
+        once, every = [(example, name, *CLOSEST[example]) for example in EXAMPLES], 2 * 4
+        found = [reading for reading in Study(n=64) if reading[1] == name]
+        assert len(set(found)) == every if name in EVERY else found == once
 
 
 def test_reference_must_refine_the_meshes():

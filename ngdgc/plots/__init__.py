@@ -1,4 +1,4 @@
-"""Figures of plane problems and solutions: setting, deformed mesh, contact quantities, history.
+"""Figures: of plane problems and solutions (setting, deformed mesh, contact quantities, history), and of studies.
 
 Every function returns a matplotlib Figure and leaves pyplot and its backends alone: DeformedFigure(solution).savefig("u.png").
 """
@@ -7,3 +7,4 @@ from .contact import ZONE_COLOURS, ContactFigure
 from .deformed import DeformedFigure
 from .history import HistoryFigure
 from .setting import SettingFigure
+from .studies import ConvergenceFigure, LockingFigure

@@ -1,0 +1,112 @@
+"""The commands that compare methods: Table 3, convergence, locking."""
+
+import sys
+from pathlib import Path
+
+from .arguments import Finite, Folder, NumberOrAuto, Positive
+from .exceptions import ProblemError
+
+
+def AddStudies(commands):
+    """The parsers of the studies, added to those of the command line."""
+    table = commands.add_parser("table3", help="print Table 3 of the paper, in every protocol, beside our numbers")
+    _AddMethod(table)
+    table.add_argument("--n", type=Positive, default=128, help="reference mesh 1/n (default 128, the paper's)")
+    table.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout, with all methods, "
+                       "docs/table3.md)")
+    table.set_defaults(command=Table3)
+
+    convergence = commands.add_parser("convergence", help="errors and observed orders on a smooth solution",
+                                      description="Errors and observed orders on the smooth solution ngdgc.exact.SmoothSlip:"
+                                      " a table, and a figure for each kind of cells.")
+    _AddMethod(convergence, forms=True)
+    convergence.add_argument("--order", type=Positive, nargs="+", default=[1, 2], help="polynomial degrees (default 1 2)")
+    convergence.add_argument("--cells", nargs="+", default=["triangle"],
+                             help="triangle, triangle-flipped, quad; tet, hex, prism (default triangle)")
+    convergence.add_argument("--n", type=Positive, nargs="+", default=[4, 8, 16], help="cells per side (default 4 8 16)")
+    convergence.add_argument("--out", default="results", help="folder for table and figures (default results/)")
+    convergence.set_defaults(command=Convergence)
+
+    locking = commands.add_parser("locking", help="errors of nearly incompressible bodies",
+                                  description="Relative strain errors on ngdgc.exact.SmoothSlip as lam grows: table, figure.")
+    _AddMethod(locking, forms=True)
+    locking.add_argument("--order", type=Positive, nargs="+", default=[1, 2], help="polynomial degrees (default 1 2)")
+    locking.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
+    locking.add_argument("--lam", type=Finite, nargs="+", default=[10.0 ** power for power in range(7)],
+                         help="values of Lame's lam, with mu = 2 (default 1 10 ... 1e6)")
+    locking.add_argument("--out", default="results", help="folder for table and figure (default results/)")
+    locking.set_defaults(command=Locking)
+
+
+def _AddMethod(parser, forms=False):
+    parser.add_argument("--method", default="all", help="ip, bassi, brezzi, ldg, h1 or all (default)")
+    if forms:
+        parser.add_argument("--form", help="edge or lifting (default: both)")
+        parser.add_argument("--penalty", default="auto", type=NumberOrAuto, help="of every discontinuous method, as for run")
+
+
+def _Show(line):
+    print(line, file=sys.stderr, flush=True)
+
+
+def _Write(folder, name, text, figures):
+    """Print and write a table, and figures {stem: figure}."""
+    print(text)
+    try:
+        (folder / f"{name}.txt").write_text(text + "\n", encoding="utf-8")
+        for stem, figure in figures.items():
+            figure.savefig(folder / f"{stem}.png", dpi=150)
+    except OSError as error:
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+    print(f"\nwritten to {folder}/: {', '.join([f'{name}.txt', *(f'{stem}.png' for stem in figures)])}")
+
+
+def Convergence(options):
+    """Errors of methods x orders x cells on the smooth solution."""
+    from .convergence import Study, Text
+    from .exact import SmoothSlip
+    from .meshes import BOXCELLS, UnitMesh
+    from .plots import ConvergenceFigure
+    from .variants import Variants
+
+    methods = Variants(options.method, form=options.form, penalty=options.penalty)
+    for cells in options.cells:
+        UnitMesh(1, cells)      # unknown cells are an error before the first solve
+    folder = Folder(options.out)
+    series = {cells: [Study(SmoothSlip(dim=3 if cells in BOXCELLS else 2), method, order=order, n=options.n, cells=cells,
+                            callback=_Show)
+                      for method in methods.values() for order in options.order] for cells in options.cells}
+    _Write(folder, "convergence", Text([one for group in series.values() for one in group]),
+           {f"convergence_{cells}": ConvergenceFigure(group) for cells, group in series.items()})
+    return 0
+
+
+def Locking(options):
+    """Errors of methods x orders for growing lam."""
+    from .locking import Study, Text
+    from .plots import LockingFigure
+    from .variants import Variants
+
+    methods = Variants(options.method, form=options.form, penalty=options.penalty)
+    folder = Folder(options.out)
+    sweeps = [Study(method, order=order, n=options.n, lam=options.lam, callback=_Show)
+              for method in methods.values() for order in options.order]
+    _Write(folder, "locking", Text(sweeps), {"locking": LockingFigure(sweeps)})
+    return 0
+
+
+def Table3(options):
+    """Print Table 3; write the page if asked."""
+    from .table3 import Methods, Page, Study, Text
+
+    study = Study(n=options.n, methods=Methods(options.method), callback=_Show)
+    print(Text(study))
+    complete = options.method == "all" and Path("docs").is_dir()
+    page = options.page or ("docs/table3.md" if complete else None)
+    if page:
+        try:
+            Path(page).write_text(Page(study), encoding="utf-8")
+        except OSError as error:
+            raise ProblemError(f"cannot write {page}: {error.strerror}") from error
+        print(f"\nwritten to {page}")
+    return 0

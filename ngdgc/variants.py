@@ -1,0 +1,43 @@
+"""The nine discretisations to compare: four discontinuous methods in two forms each, and H1."""
+
+from .exceptions import ProblemError
+from .methods import METHODS
+
+FORMS = ("edge", "lifting")
+
+
+def Label(method):
+    """Name and form, as tables and legends print them.
+
+    >>> from ngdgc import LDG
+    >>> Label(LDG(form="lifting"))
+    'LDG lifting'
+    """
+    return f"{method.name} {method.form}" if method.discontinuous else method.name
+
+
+def Variants(method="all", *, form=None, penalty="auto"):
+    """Methods by their names on the command line, {label: method}.
+
+    method : one of METHODS ("ip", "bassi", "brezzi", "ldg", "h1") or "all"
+    form : "edge" or "lifting", by default both
+    penalty : "auto", a number for every discontinuous method, or {name: penalty} with "auto" for those it does not name
+
+    Raises ProblemError for an unknown method or form, and for form or penalty of H1 alone, which has none.
+
+    >>> list(Variants("ip"))
+    ['IP edge', 'IP lifting']
+    """
+    if method != "all" and method not in METHODS:
+        raise ProblemError(f"no method {method!r}; choose all or one of {', '.join(METHODS)}")
+    if form not in (*FORMS, None):
+        raise ProblemError(f"form is {form!r}; choose edge or lifting, or give none for both")
+    for name, value, default in (("form", form, None), ("penalty", penalty, "auto")):
+        if method == "h1" and value != default and not isinstance(value, dict):
+            raise ProblemError(f"{name} does not apply to method 'h1'")
+    penalties = penalty if isinstance(penalty, dict) else dict.fromkeys(METHODS, penalty)
+    chosen = []
+    for name in METHODS if method == "all" else (method,):
+        row, eta = METHODS[name], penalties.get(name, "auto")
+        chosen += [row(form=one, penalty=eta) for one in FORMS if form in (one, None)] if row.discontinuous else [row()]
+    return {Label(one): one for one in chosen}

@@ -21,7 +21,7 @@ LAYERS = [["exceptions", "report"], ["coefficients", "storage", "meshes"], ["ela
           ["problem", "facets"], ["skeleton", "penalty", "contact", "validation", "stability"], ["lifting"], ["facetform"],
           ["methods"], ["discretization"],
           ["resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
-          ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves"], ["errors", "plots.canvas"],
+          ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves"], ["errors", "plots.canvas"], ["lemmas"],
           ["plots.contact", "plots.deformed", "plots.history", "plots.setting"], ["plots.__init__"], ["output", "table3"],
           ["cli"]]
 

@@ -1,6 +1,6 @@
-"""Write everything in the documentation that is computed: `python docs/regenerate.py`, about three minutes.
+"""Write everything in the documentation that is computed: `python docs/regenerate.py`, about four minutes.
 
-images/*.png, examples.md and table3.md; nothing in them is typed by hand.
+images/*.png, examples.md, table3.md and stability.md; nothing in them is typed by hand.
 """
 
 from dataclasses import replace
@@ -8,7 +8,7 @@ from itertools import product
 from pathlib import Path
 
 from ngdgc import (Conforming, Discretization, EstimateContraction, InteriorPenalty, NormalCompliance, NotConvergedError,
-                   UzawaSolver, table3)
+                   UzawaSolver, stabilitystudy, table3)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.plots import ContactFigure, DeformedFigure, SettingFigure
 
@@ -77,3 +77,4 @@ if __name__ == "__main__":
     Images()
     (DOCS / "examples.md").write_text(ExamplesPage(), encoding="utf-8")
     (DOCS / "table3.md").write_text(table3.Page(table3.Study()), encoding="utf-8")
+    (DOCS / "stability.md").write_text(stabilitystudy.StabilityPage(), encoding="utf-8")

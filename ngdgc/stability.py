@@ -79,6 +79,15 @@ def _Words(penalty):
     return penalty if isinstance(penalty, str) else f"{penalty:g}"
 
 
+def _Remedy(method, bound):
+    """What to do about a lost coercivity."""
+    if np.isfinite(bound):
+        # The bound is inversely proportional to the penalty; one per cent more than needed survives the rounding.
+        return f"penalty={1.01 * method.penalty * bound:.3g} is safe, and so is penalty='auto'"
+    other = "lifting" if method.form == "edge" else "edge"
+    return f"take form={other!r}, or a larger penalty: the stress is not in the lifting space and no bound known for this form"
+
+
 def CheckCoercivity(method, form, matrix, freedofs):
     """Raise ProblemError if the bilinear form is not coercive.
 
@@ -89,7 +98,5 @@ def CheckCoercivity(method, form, matrix, freedofs):
         return
     smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs)
     if smallest <= 1e-6:        # zero up to round-off in a spectrum of size 1
-        larger = f"penalty={method.penalty * form.bound:.3g}" if np.isfinite(form.bound) else "a larger penalty"
         raise ProblemError(f"penalty={_Words(method.penalty)} loses coercivity on this mesh, order and material (smallest "
-                           f"eigenvalue {smallest:.3g} of the form against its energy norm); {larger} is safe, and so is "
-                           "penalty='auto'")
+                           f"eigenvalue {smallest:.3g} of the form against its energy norm); {_Remedy(method, form.bound)}")

@@ -22,8 +22,8 @@ LAYERS = [["exceptions", "report"], ["coefficients", "storage", "meshes"], ["ela
           ["methods"], ["discretization"],
           ["resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
           ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves"], ["errors", "plots.canvas"], ["lemmas"],
-          ["plots.contact", "plots.deformed", "plots.history", "plots.setting"], ["plots.__init__"], ["output", "table3"],
-          ["cli"]]
+          ["plots.contact", "plots.deformed", "plots.history", "plots.setting"], ["plots.__init__"],
+          ["output", "table3", "stabilitystudy"], ["cli"]]
 
 
 def test_tests_run_against_the_installed_package():

@@ -60,11 +60,10 @@ def SmoothSolid():
 
 
 def Size(disc, u):
-    """The energy norm of u, against which residuals are small or large."""
+    """Square root of int C eps(u):eps(u), against which residuals are small or large."""
     function = GridFunction(disc.space)
     function.Set(u)
-    vector = function.vec.FV().NumPy()
-    return np.sqrt(vector @ Csr(NormMatrix(disc)) @ vector)
+    return np.sqrt(Integrate(InnerProduct(disc.problem.material.Stress(Strain(function)), Strain(function)), disc.mesh))
 
 
 @pytest.mark.parametrize("method", [*(row() for row in ROWS), Conforming()], ids=lambda method: method.name)
@@ -118,8 +117,7 @@ def test_without_the_consistency_term_the_residual_does_not_vanish():
         term = Coefficients(active * (Traction(exact.problem.material, exact.displacement) * v)
                             * dx(element_boundary=True, bonus_intorder=6))
         norms.append(DualNorm(disc, ConsistencyVector(disc, exact.displacement) + term) / Size(disc, exact.displacement))
-    print(norms)
-    assert norms[2] > 0.3 and norms[2] / norms[1] > 0.8
+    assert norms[2] > 0.9 * norms[1] > 0.3
 
 
 def test_dual_norm_is_a_supremum():
@@ -190,8 +188,7 @@ def test_lifting_constants_against_dense_liftings_of_all_functions(order, liftor
     assert (bounds.c < 1e-6) == (liftorder < order)
 
 
-@pytest.mark.parametrize("cells", ["triangle", "quad", "tet", "hex"])
-@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize("cells, order", [("triangle", 1), ("triangle", 3), ("quad", 2), ("tet", 1), ("tet", 2), ("hex", 1)])
 def test_lifting_constants_do_not_depend_on_the_mesh_size(order, cells):
     def Bounds(n, liftorder):
         mesh = RectangleMesh(n, cells=cells) if cells in ("triangle", "quad") else Cube(cells, n)
@@ -233,6 +230,7 @@ def test_unsymmetric_forms_are_judged_by_their_symmetric_part():
     smallest, largest = Dense(disc)
     assert Coercivity(disc) == pytest.approx(smallest, rel=1e-3) and smallest > 0.1
     assert Boundedness(disc) == pytest.approx(largest, rel=1e-3)
+    # The symmetric part alone does not tell.
     assert largest > 1.5 * scipy.linalg.eigvalsh(Csr(disc.form.Norm()).toarray(), Csr(NormMatrix(disc)).toarray())[-1]
 
 
@@ -304,10 +302,11 @@ def Skewed():
 
 
 def Box(cells, stretch):
-    """One cell deep, flat by the factor `stretch`."""
+    """Two elements or a few more, flat by the factor `stretch`; what an element needs does not depend on their number."""
     if cells in ("triangle", "quad"):
-        return RectangleMesh(2, upper=(1, 1 / stretch), cells=cells)
-    return MakeStructured3DMesh(hexes=cells == "hex", nx=2, ny=1, nz=1, mapping=lambda s, t, r: (s, t, r / stretch))
+        return MakeStructured2DMesh(quads=cells == "quad", nx=2, ny=1, mapping=lambda s, t: (s, t / stretch))
+    return MakeStructured3DMesh(hexes=cells == "hex", nx=2 if cells == "hex" else 1, ny=1, nz=1,
+                                mapping=lambda s, t, r: (s, t, r / stretch))
 
 
 @pytest.mark.parametrize("nu, stretch", [(0.0, 1), (0.4999, 1), (0.4999, 100)])
@@ -331,15 +330,16 @@ def Assembled(problem, method, mesh, order):
     return disc
 
 
-@pytest.mark.parametrize("row, mesh, low", [(InteriorPenalty, RectangleMesh(4), 10), (BassiEtAl, RectangleMesh(4), 0.3),
-                                            (InteriorPenalty, Cube("tet", 2), 10)])
-def test_lost_coercivity_is_refused_with_a_penalty_that_is_enough(row, mesh, low):
+@pytest.mark.parametrize("row, mesh, order, low", [(InteriorPenalty, RectangleMesh(4), 2, 10),
+                                                   (BassiEtAl, RectangleMesh(4), 2, 0.3),
+                                                   (InteriorPenalty, Cube("tet", 2), 1, 10)])
+def test_lost_coercivity_is_refused_with_a_penalty_that_is_enough(row, mesh, order, low):
     problem = Held(mesh.dim)
     with pytest.raises(ProblemError, match=f"penalty={low:g} loses coercivity") as refused:
-        Assembled(problem, row(penalty=low), mesh, 2)
+        Assembled(problem, row(penalty=low), mesh, order)
     enough = float(re.search(r"; penalty=(\S+) is safe", str(refused.value))[1])
-    assert 0.95 < Assembled(problem, row(penalty=enough), mesh, 2).form.bound < 1
-    assert enough > CriticalPenalty(problem, row, mesh, order=2) > low
+    assert 0.95 < Assembled(problem, row(penalty=enough), mesh, order).form.bound < 1
+    assert enough > CriticalPenalty(problem, row, mesh, order=order) > low
 
 
 def test_where_no_bound_is_known_the_other_form_is_named():

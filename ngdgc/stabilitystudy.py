@@ -8,12 +8,13 @@ from ngsolve import CF
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from .cases import example_4_1
+from .consistency import ConsistencyResidual
 from .discretization import Discretization
 from .elasticity import HookeMaterial
 from .errors import Rates
 from .exact import SmoothSlip
 from .foundation import Foundation, NormalCompliance
-from .lemmas import Boundedness, Coercivity, ConsistencyResidual, CriticalPenalty, LiftingBounds, LiftingConstants
+from .lemmas import Boundedness, Coercivity, CriticalPenalty, LiftingBounds, LiftingConstants
 from .meshes import RectangleMesh
 from .methods import LDG, METHODS, BassiEtAl, InteriorPenalty
 from .problem import ContactProblem

@@ -21,7 +21,8 @@ LAYERS = [["exceptions", "report"], ["coefficients", "storage", "meshes"], ["ela
           ["problem", "facets"], ["skeleton", "penalty", "contact", "validation", "stability"], ["lifting"], ["facetform"],
           ["methods"], ["discretization"],
           ["resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
-          ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves"], ["errors", "plots.canvas"], ["lemmas"],
+          ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves"], ["errors", "plots.canvas"],
+          ["lemmas"], ["consistency"],
           ["plots.contact", "plots.deformed", "plots.history", "plots.setting"], ["plots.__init__"],
           ["output", "table3", "stabilitystudy"], ["cli"]]
 

@@ -18,12 +18,12 @@ from test_package import ROOT
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, Lifting, NormalCompliance, ProblemError, penalty)
 from ngdgc.cases import example_4_1
+from ngdgc.consistency import ConsistencyResidual, ConsistencyVector
 from ngdgc.elasticity import Strain
 from ngdgc.errors import Rates
 from ngdgc.exact import BodyForce, SmoothSlip, Traction
 from ngdgc.facets import BoundaryQuadrature, Csr
-from ngdgc.lemmas import (Boundedness, Coercivity, ConsistencyResidual, ConsistencyVector, CriticalPenalty, DualNorm,
-                          LiftingConstants, NormMatrix)
+from ngdgc.lemmas import Boundedness, Coercivity, CriticalPenalty, DualNorm, LiftingConstants, NormMatrix
 from ngdgc.meshes import RectangleMesh
 from ngdgc.penalty import MARGIN
 from ngdgc.skeleton import Coefficients

@@ -62,14 +62,10 @@ class Cells(CellGeometry):
             result[rows] = part.reshape(len(rows), *lead, -1)
         return result
 
-    def _Gradients(self, coefficient, s=None):
-        """sum_q w_q coefficient[n, q, i, k, m, t] d_m phi_a d_t phi_b -> (n, (i, a), (k, b)), on the element or on side s."""
-        def Products(shape):
-            here = shape if s is None else shape.facets[s]
-            return np.einsum("q,qma,qtb->qmtab", here.weights, here.dv, here.dv).reshape(len(here.weights), self.dim ** 2, -1)
-
+    def _Gradients(self, coefficient, products):
+        """sum_q coefficient[n, q, i, k, m, t] products[q, (m t), (a b)] -> (n, (i, a), (k, b)), for products as below."""
         n, q, d = *coefficient.shape[:2], self.dim
-        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, d * d), Products)
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, d * d), products)
         return values.reshape(n, d, d, self.na, self.na).transpose(0, 1, 3, 2, 4).reshape(n, d * self.na, d * self.na)
 
     def _Pairs(self, coefficient, left, right):
@@ -104,7 +100,7 @@ class Cells(CellGeometry):
     def energy(self):
         """K = int C eps(u):eps(v), (n, (i a), (k b))."""
         _, volume = self._geometry[0]
-        return self._Gradients(self._energydensity[0] * volume[..., None, None, None, None])
+        return self._Gradients(self._energydensity[0] * volume[..., None, None, None, None], _GradientProducts)
 
     @cached_property
     def rotations(self):
@@ -123,6 +119,25 @@ class Cells(CellGeometry):
         transmitted = self._transmitted[s]
         transmitted = np.eye(self.dim)[None, None] if transmitted is None else transmitted
         return self._Pairs(measure[..., None, None] * transmitted, self._Side(s, "m"), self._Side(s, "v"))
+
+    def TraceValue(self, s):
+        """M_F^-1 times `Trace`: the transmitted part of u on the side as coefficients in F_h, (n, (i b), (k a))."""
+        _, measure = self._boundary[s]
+        if measure.shape[1] > 1:
+            inverse, trace = self.InverseTraceMass(s), self.Trace(s)
+            return (inverse[:, None] @ trace.reshape(len(trace), self.dim, self.nm(s), -1)).reshape(trace.shape)
+        transmitted = self._transmitted[s]
+        if transmitted is None:
+            transmitted = np.broadcast_to(np.eye(self.dim), (len(measure), 1, self.dim, self.dim))
+
+        def Values(shape):
+            facet = shape.facets[s]
+            mass, trace = (np.einsum("q,qb,qa->ba", facet.weights, facet.m, other) for other in (facet.m, facet.v))
+            return np.linalg.solve(mass, trace).reshape(1, 1, -1)
+
+        values = self._Sum(transmitted.transpose(0, 2, 3, 1)[..., None], Values)
+        values = values.reshape(len(measure), self.dim, self.dim, self.nm(s), self.na)
+        return values.transpose(0, 1, 3, 2, 4).reshape(len(measure), self.dim * self.nm(s), -1)
 
     def Traction(self, s):
         """int_e {C eps(u) n}.mu with the transmitted part of the traction, (n, (i b), (k a))."""
@@ -173,18 +188,27 @@ class Cells(CellGeometry):
             tensor = transmitted @ tensor @ transmitted
         return self._Pairs(tensor, self._Side(s, "m"), self._Side(s, "m"))
 
-    def ElasticPencil(self, s):
-        """int_e C eps(u):eps(v), (n, (i a), (k b))."""
-        _, measure = self._boundary[s]
-        return self._Gradients(self._energydensity[1 + s] * measure[..., None, None, None, None], s)
+    def ElasticPencil(self, weights):
+        """sum_s weights[n, s] int_e C eps(u):eps(v), (n, (i a), (k b))."""
+        scaled = [weights[:, s, None] * measure for s, (_, measure) in enumerate(self._boundary)]
+        if any(density.shape[1] > 1 for density in self._energydensity) or any(scale.shape[1] > 1 for scale in scaled):
+            return sum(self._Gradients(self._energydensity[1 + s] * scale[..., None, None, None, None], _OnSide(s))
+                       for s, scale in enumerate(scaled))
+        # One product for all sides, which take the place of the quadrature points.
+        return self._Gradients(self._energydensity[0] * np.concatenate(scaled, axis=1)[..., None, None, None, None],
+                               lambda shape: np.stack([_GradientProducts(facet).sum(axis=0) for facet in shape.facets]))
 
-    def PlainPencil(self, s):
-        """int_e 2 a.b - (a.n)(b.n), a = C eps(u) n and b = C eps(v) n, (n, (i a), (k b))."""
+    def PlainPencil(self, weights):
+        """sum_s weights[n, s] int_e 2 a.b - (a.n)(b.n), a = C eps(u) n and b = C eps(v) n, (n, (i a), (k b))."""
+        return sum(self._PlainPencil(s, weights[:, s, None]) for s in self.sides)
+
+    def _PlainPencil(self, s, weight):
         n, measure = self._boundary[s]
+        measure = weight * measure
         traction = np.einsum("nqj,nqijkt->nqikt", n, self._stressgradient[1 + s])
         dual = (2 * np.eye(self.dim) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]
         weighted = np.einsum("nqij,nqjkt->nqikt", dual, traction)
-        return self._Gradients(np.einsum("nqjim,nqjkt->nqikmt", traction, weighted), s)
+        return self._Gradients(np.einsum("nqjim,nqjkt->nqikmt", traction, weighted), _OnSide(s))
 
     @cached_property
     def stress(self):
@@ -214,3 +238,13 @@ class Cells(CellGeometry):
     def weightedliftmass(self):
         """M_C, (n, (c p), (c p))."""
         return self._liftmasses[1]
+
+
+def _GradientProducts(shapes):
+    """w_q d_m phi_a d_t phi_b, (q, (m t), (a b)), of a ReferenceCell or of its FacetShapes."""
+    products = np.einsum("q,qma,qtb->qmtab", shapes.weights, shapes.dv, shapes.dv)
+    return products.reshape(len(shapes.weights), shapes.dv.shape[1] ** 2, -1)
+
+
+def _OnSide(s):
+    return lambda shape: _GradientProducts(shape.facets[s])

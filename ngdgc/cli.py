@@ -57,7 +57,19 @@ def _Parser():
     listing = commands.add_parser("cases", help="list the cases that come with the package")
     listing.set_defaults(command=ListCases)
     AddStudies(commands)
+    _AddStability(commands)
     return parser
+
+
+def _AddStability(commands):
+    stability = commands.add_parser("stability", help="critical penalties and the constants of the lemmas for a case",
+                                    description="For all discontinuous methods: the critical penalty, what the element bound "
+                                    "asks for, coercivity and boundedness with the automatic penalty, by sparse eigenvalues.")
+    stability.add_argument("case", help="a file or the name of a case with Problem() and Mesh(n)")
+    stability.add_argument("--form", default="edge", help="edge or lifting (default edge)")
+    stability.add_argument("--order", type=Positive, default=1, help="polynomial degree (default 1)")
+    stability.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
+    stability.set_defaults(command=Stability)
 
 
 def _AddRun(commands):
@@ -143,6 +155,18 @@ def Run(options):
     if message:
         print(f"ngdgc: {message}", file=sys.stderr)
     return code
+
+
+def Stability(options):
+    """Print what the lemmas say about a case."""
+    from .stabilitystudy import Study, Text
+
+    case = LoadCase(options.case)
+    if not (callable(getattr(case, "Problem", None)) and callable(getattr(case, "Mesh", None))):
+        raise ProblemError(f"{options.case} has no functions Problem() and Mesh(n)")
+    print(Text(Study(case.Problem(), case.Mesh(options.n), order=options.order, form=options.form,
+                     callback=lambda line: print(line, file=sys.stderr, flush=True))))
+    return 0
 
 
 def _CaseArguments(case, options):

@@ -114,7 +114,9 @@ class Discretization:
                                "legitimate problem, but the elastic matrix is singular and this iteration has no first "
                                "step; until the contact stiffness is part of the matrix, add dirichlet or roller")
         with Threads(self.mesh):
-            return self.matrix.Inverse(self.space.FreeDofs(), inverse="sparsecholesky")
+            # A Cholesky factorisation of an unsymmetric matrix would be wrong without a word.
+            kind = "sparsecholesky" if self.method.symmetric else "umfpack"
+            return self.matrix.Inverse(self.space.FreeDofs(), inverse=kind)
 
     def Multiply(self, vector):
         """A u, (ndof,) -> (ndof,)."""

@@ -44,28 +44,40 @@ class FacetForm:
     def _Assemble(self, consistency):
         operators = self.operators
         matrix = operators.Matrix(self.space, reach=2 if self.globallift else 1)
-        for cells in operators.cells:
-            matrix.Add(cells.elements[:, None], cells.energy)
-        for elements, block in Map(lambda patch: self._FacetBlock(patch, consistency), operators.FacetPatches(),
-                                   threads=operators.many):
-            matrix.Add(elements, block)
+        own = [cells.energy.copy() for cells in operators.cells]
+        for patch, blocks in Map(lambda patch: (patch, self._FacetBlocks(patch, consistency)), operators.FacetPatches(),
+                                 threads=operators.many):
+            for (a, b), block in blocks.items():
+                if a == b:
+                    own[patch.sides[a].group][patch.sides[a].rows] += block
+                else:
+                    matrix.Put(patch.elements[:, a], patch.elements[:, b], block, add=not operators.facets.distinct)
+        for cells, block in zip(operators.cells, own):
+            matrix.Put(cells.elements, cells.elements, block)
         if self.globallift:
             for elements, block in Map(self._StarBlock, operators.Stars(), threads=operators.many):
                 matrix.Add(elements, block)
         return matrix.native
 
-    def _FacetBlock(self, patch, consistency):
-        """(elements, block) of the terms on a batch of facets."""
-        operators = self.operators
-        jumps = operators.Jumps(patch)
-        transposed = np.swapaxes(jumps, 1, 2)
-        block = transposed @ (self.FacetMatrix(patch) @ jumps)
+    def _FacetBlocks(self, patch, consistency):
+        """{(a, b): block (n, m_a, m_b)} of the terms on a batch of facets, for rows of side a and columns of side b."""
+        operators, theta = self.operators, self.theta
+        sigma = self.FacetMatrix(patch)
+        jumps = [operators.SideJump(side) for side in patch.sides]
+        fluxes = [sigma @ jump for jump in jumps]
         if consistency:
-            coupling = transposed @ operators.Tractions(patch, self.lifted)
-            block -= coupling
-            if self.theta:
-                block -= self.theta * np.swapaxes(coupling, 1, 2)
-        return patch.elements, block
+            tractions = [operators.SideTraction(side, patch.facets, self.lifted) for side in patch.sides]
+            fluxes = [flux - traction for flux, traction in zip(fluxes, tractions)]
+        blocks, symmetric = {}, theta == 1 or not consistency
+        for a, jump in enumerate(jumps):
+            for b, flux in enumerate(fluxes):
+                if symmetric and b < a:
+                    blocks[a, b] = np.swapaxes(blocks[b, a], 1, 2)
+                    continue
+                blocks[a, b] = np.swapaxes(jump, 1, 2) @ flux
+                if consistency and theta:
+                    blocks[a, b] -= theta * (np.swapaxes(tractions[a], 1, 2) @ jumps[b])
+        return blocks
 
     def _StarBlock(self, star):
         """(elements, block) of (C r_0[u], r_0[v]) on a batch of elements."""

@@ -3,11 +3,13 @@
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import chain
 
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, SEGM, TET, TRIG, VOL, BilinearForm, ElementId, FacetFESpace,
                      GridFunction, IntegrationRule, L2, LinearForm, TaskManager, ds, dx, specialcf, x, y, z)
+from ngsolve.la import SparseMatrixd
 
 # Vertices of NGSolve's reference elements, in the order of Element.vertices.
 REFERENCE_VERTICES = {
@@ -26,6 +28,12 @@ BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 def Csr(matrix):
     """A scipy copy of an NGSolve matrix; the view that CSR() gives dies with its matrix."""
     return sp.csr_matrix(matrix.CSR(), shape=(matrix.height, matrix.width), copy=True)
+
+
+def Native(matrix):
+    """NGSolve's matrix of a scipy matrix."""
+    entries = matrix.tocoo()
+    return SparseMatrixd.CreateFromCOO(entries.row, entries.col, entries.data, *matrix.shape)
 
 
 def Threads(mesh):
@@ -60,9 +68,15 @@ class Facets:
         self.incidence = Csr(form.mat)
 
     @cached_property
-    def ofelement(self):
-        """Facet numbers of each element in NGSolve's local order."""
-        return [element.dofs for element in self.space.Elements(VOL)]
+    def ofelements(self):
+        """Facet numbers of all elements, one element after the other, each in NGSolve's local order."""
+        return np.fromiter(chain.from_iterable(element.dofs for element in self.space.Elements(VOL)), dtype=np.int64)
+
+    @cached_property
+    def distinct(self):
+        """True if no two elements have two facets in common."""
+        pairs = self.incidence.T @ self.incidence
+        return pairs.nnz - self.mesh.ne == 2 * int(np.sum(self.neighbours > 1))
 
     @cached_property
     def neighbours(self):

@@ -58,6 +58,13 @@ class CellGeometry:
         straight = np.abs(centred - reference @ np.swapaxes(maps, 1, 2)).max() <= 1e-14 * np.abs(corners).max()
         return maps[:, None] if straight else None
 
+    @property
+    def samples(self):
+        """Elements of which every other one is an affine image with C constant in it; all of them if there are none such."""
+        if self._affine is not None and all(C.shape[1] == 1 for C in self.C):
+            return [rows[0] for rows in self.rows]
+        return slice(None)
+
     @cached_property
     def _meshpoints(self):
         """NGSolve mesh points of the element rule and the side rules, each (n, q)."""

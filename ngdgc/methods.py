@@ -11,7 +11,7 @@ from .exceptions import ProblemError
 from .facetform import FacetForm
 from .lifting import WeakFacets
 from .operators import FacetOperators
-from .penalty import MARGIN, Penalty
+from .penalty import MARGIN, LargestEigenvalues, Penalty
 from .skeleton import Clamped, Interior, Roller, SkeletonForm
 from .skeletonlifting import LiftedSkeletonForm
 
@@ -92,17 +92,16 @@ class DiscontinuousGalerkin:
         if self.stabilisation == "jump":
             rule = Penalty(self.penalty, self.weighting, operators)
             # |(1 + theta) <[u],{C eps(u)}>| is what Young's inequality has to bound.
-            bound, exact = rule.bound * ((1 + self.theta) / 2) ** 2, "edge"
+            bound = rule.bound * ((1 + self.theta) / 2) ** 2
+            if self.form == "lifting" and self.theta != -1 and not operators.contains:
+                bound = np.inf      # the form has another coupling than the one that was estimated
         else:
-            # |r_0|^2 <= N_K sum_e |r_e|^2 on an element with N_K facets in E0, so eta > max N_K suffices.
-            most = max(int((share[cells.facets] > 0).sum(axis=1).max()) for cells in operators.cells)
-            eta = MARGIN * most if self.penalty == "auto" else self.penalty
-            bound, exact = most / eta, "lifting"
-        if self.globallift:
+            needed = _NeededLifting(operators, self.form)
+            eta = MARGIN * needed if self.penalty == "auto" else self.penalty
+            bound = needed / eta
+        if self.globallift and (self.form == "lifting" or bound >= 1 and operators.contains):
             # A square, g + 2 (C eps, r_0) + (C r_0, r_0): coercive for any penalty, if (C eps, r_0) is what the form has.
-            bound, exact = 0, "lifting"
-        if self.form != exact and self.theta != -1 and not operators.contains:
-            bound = np.inf      # the form has another coupling than the one that was estimated
+            bound = 0
         terms = {"lifted": self.form == "lifting", "globallift": self.globallift, "theta": self.theta, "bound": bound}
         if assembly == "facet":
             return FacetForm(problem, space, operators, rule=rule, eta=eta, **terms)
@@ -217,6 +216,14 @@ class Conforming:
         rule = Penalty("auto", None, operators)
         return SkeletonForm(problem, space, [Roller(problem.material, facets.mesh, rule, region, value)
                                              for region, value in problem.roller.items()])
+
+
+def _NeededLifting(operators, form):
+    """An eta above which the form with eta sum_e (C r_e, r_e) is coercive."""
+    if form == "lifting" or operators.contains:
+        # |r_0|^2 <= N_K sum_e |r_e|^2 on an element with N_K facets in E0.
+        return max(int((operators.share[cells.facets] > 0).sum(axis=1).max()) for cells in operators.cells)
+    return max(LargestEigenvalues(operators.EdgeCoupling(cells), cells).max() for cells in operators.cells)
 
 
 def _Parts(problem, mesh, rule):

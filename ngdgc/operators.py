@@ -29,7 +29,7 @@ class Sides:
     """Blocks of one kind for all sides of all elements, looked up by cell group and number of facet functions."""
 
     def __init__(self, operators, compute):
-        self._blocks = {}
+        self.blocks = {}
         for g, cells in enumerate(operators.cells):
             for size, slots in operators.slots[g].items():
                 blocks = None
@@ -37,11 +37,11 @@ class Sides:
                     if blocks is None:
                         blocks = np.empty((len(computed), len(slots), *computed.shape[1:]))
                     blocks[:, position] = computed
-                self._blocks[g, size] = blocks
+                self.blocks[g, size] = blocks
 
     def __call__(self, side):
         """Blocks (n, ...) of n sides."""
-        return self._blocks[side.group, side.size][side.rows, side.positions]
+        return self.blocks[side.group, side.size][side.rows, side.positions]
 
 
 class FacetOperators(Patches):
@@ -117,6 +117,15 @@ class FacetOperators(Patches):
         return Sides(self, Energy)
 
     @cached_property
+    def _liftsquares(self):
+        """N M_Q^-1 N' of single sides."""
+        def Square(cells, s):
+            traction = cells.LiftedTraction(s)
+            return traction @ cells.inverseliftmass @ np.swapaxes(traction, 1, 2)
+
+        return Sides(self, Square)
+
+    @cached_property
     def elasticjumps(self):
         return Sides(self, lambda cells, s: cells.ElasticJump(s))
 
@@ -140,13 +149,26 @@ class FacetOperators(Patches):
         n, r = blocks.shape[:2]
         return (inverse[:, None] @ blocks.reshape(n, self.dim, r // self.dim, -1)).reshape(blocks.shape)
 
+    @cached_property
+    def _tracevalues(self):
+        return Sides(self, lambda cells, s: cells.TraceValue(s))
+
+    def SideJump(self, side):
+        """The part of M_F^-1 J on one side, (n, r, m)."""
+        return self._tracevalues(side) * side.sign[:, None, None]
+
+    def SideTraction(self, side, facets, lifted):
+        """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, m)."""
+        blocks = (self._projectedtractions if lifted else self._tractions)(side)
+        return blocks * (self.share[facets] * side.sign)[:, None, None]
+
     def JumpBlocks(self, patch):
         """J, (n, r, m)."""
         return self._Joined(patch, self._traces, lambda side: side.sign)
 
     def Jumps(self, patch):
         """M_F^-1 J: the jump as coefficients in F_h, (n, r, m)."""
-        return self.Apply(self.inversemass(patch.sides[0]), self.JumpBlocks(patch))
+        return self._Joined(patch, self._tracevalues, lambda side: side.sign)
 
     def Tractions(self, patch, lifted):
         """S, or N M_Q^-1 R if `lifted`, (n, r, m)."""
@@ -158,6 +180,11 @@ class FacetOperators(Patches):
         share = self.share[patch.facets]
         return sum(share[:, None, None] ** 2 * self._liftenergies(side) for side in patch.sides)
 
+    def LocalSquare(self, patch):
+        """(r_e(mu), r_e(nu)), (n, r, r)."""
+        share = self.share[patch.facets]
+        return sum(share[:, None, None] ** 2 * self._liftsquares(side) for side in patch.sides)
+
     def Liftings(self, star):
         """-M_Q^-1 N' : the liftings of traces on the star's facets as coefficients in Q_h, [(n, (c p), r)] over its arms."""
         inverse = self.cells[star.group].inverseliftmass[star.rows]
@@ -168,12 +195,9 @@ class FacetOperators(Patches):
         """r_0([u]) on the star's elements from the displacements on the star, (n, (c p), m)."""
         here, beyond = 0, []
         for lift, (own, _, other) in zip(self.Liftings(star), star.arms):
-            # M_F is the same from both sides of a facet.
-            weighted = lift.reshape(*lift.shape[:2], self.dim, -1) @ self.inversemass(own)[:, None]
-            weighted = weighted.reshape(lift.shape)
-            here = here + weighted @ (self._traces(own) * own.sign[:, None, None])
+            here = here + lift @ self.SideJump(own)
             if other is not None:
-                beyond.append(weighted @ (self._traces(other) * other.sign[:, None, None]))
+                beyond.append(lift @ self.SideJump(other))
         n, c = here.shape[:2]
         return np.concatenate([part.reshape(n, c, self.dim, -1) for part in (here, *beyond)], axis=3).reshape(n, c, -1)
 
@@ -181,12 +205,32 @@ class FacetOperators(Patches):
     def contains(self):
         """True if C eps(V_h) lies in Q_h, as far as the facets see: then edge form and lifting form are the same."""
         difference = largest = 0.0
-        for patch in self.FacetPatches():
-            plain, projected = self.Tractions(patch, False), self.Tractions(patch, True)
+        for key, tractions in self._tractions.blocks.items():
+            cells = self.cells[key[0]]
+            chosen = cells.samples
+            projection = cells.inverseliftmass[chosen] @ cells.stress[chosen]
+            plain, projected = tractions[chosen], self._liftedtractions.blocks[key][chosen] @ projection[:, None]
             difference = max(difference, np.abs(plain - projected).max())
             largest = max(largest, np.abs(plain).max())
         # Round-off of products of matrices with entries of different size.
         return difference <= 1e-10 * largest
+
+    def EdgeCoupling(self, cells):
+        """sum_e m_e S_e' G_e^-1 S_e on elements, (n, m, m), m_e = 2 between elements and 1 on the boundary.
+
+        S_e are the element's own tractions in the averages, G_e the local lifting energy of a facet: by Young's inequality
+        the edge form with eta sum_e (C r_e, r_e) is coercive if eta exceeds this against the energy of every element.
+        """
+        energies = {int(facet): energy for patch in self.FacetPatches()
+                    for facet, energy in zip(patch.facets, self.LocalEnergy(patch))}
+        total = np.zeros_like(cells.energy)
+        for s in cells.sides:
+            share = self.share[cells.facets[:, s]]
+            weak = np.flatnonzero(share > 0)
+            tractions = share[weak, None, None] * cells.Traction(s)[weak]
+            inverse = np.linalg.pinv(np.array([energies[facet] for facet in cells.facets[weak, s]]), hermitian=True)
+            total[weak] += np.swapaxes(tractions, 1, 2) @ inverse @ tractions / share[weak, None, None]
+        return total
 
     def Matrix(self, space, reach):
         """An empty BlockMatrix on V_h = space."""

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from ngsolve import ET, H1, VOL
+from ngsolve import ET, VOL
 
 from .cells import Cells
 from .facets import THREADED
 from .geometry import Equal
+from .shapes import FACETS
 
 TYPES = {2: {3: ET.TRIG, 4: ET.QUAD}, 3: {4: ET.TET, 5: ET.PYRAMID, 6: ET.PRISM, 8: ET.HEX}}      # by number of vertices
 BATCH = 1 << 19     # matrix entries worked on at once: large enough for numpy, small enough for the cache and the memory
@@ -27,7 +28,10 @@ class Side:
 
 @dataclass(frozen=True)
 class FacetPatch:
-    """n facets with their one or two elements: facets (n,), elements (n, 1 or 2), sides one for each column."""
+    """n facets with their one or two elements: facets (n,), elements (n, 1 or 2), sides one for each column.
+
+    No element occurs twice in a column.
+    """
 
     facets: np.ndarray
     elements: np.ndarray
@@ -67,16 +71,26 @@ class Patches:
         self._TabulateSides()
 
     def _Groups(self, rollers):
-        space = H1(self.mesh, order=1)      # its elements need it alive
-        vertices = [element.dofs for element in space.Elements(VOL)]
-        facets = self.facets.ofelement
-        lengths = np.array([len(numbers) for numbers in vertices])
-        for count in np.unique(lengths):
-            elements = np.flatnonzero(lengths == count)
-            numbers = np.array([facets[element] for element in elements])
-            yield Cells(self.mesh, self.material, TYPES[self.dim][count], elements,
-                        np.array([vertices[element] for element in elements]), numbers, rollers[numbers], self.order,
-                        self.liftorder)
+        nodes = self._Vertices()
+        counts = (nodes >= 0).sum(axis=1)
+        sides = np.zeros(counts.max() + 1, dtype=np.int64)
+        for count, et in TYPES[self.dim].items():
+            sides[count:count + 1] = len(FACETS[et])
+        starts = np.cumsum(sides[counts]) - sides[counts]
+        for count in np.unique(counts):
+            elements = np.flatnonzero(counts == count)
+            numbers = self.facets.ofelements[starts[elements][:, None] + np.arange(sides[count])]
+            yield Cells(self.mesh, self.material, TYPES[self.dim][count], elements, nodes[elements, :count], numbers,
+                        rollers[numbers], self.order, self.liftorder)
+
+    def _Vertices(self):
+        """Vertex numbers of the elements (ne, most), filled up with -1."""
+        elements = self.mesh.ngmesh.Elements2D() if self.dim == 2 else self.mesh.ngmesh.Elements3D()
+        nodes = elements.NumPy()["nodes"].astype(np.int64) - 1
+        if nodes.shape[1] > max(TYPES[self.dim]):       # with points on edges, which are no vertices
+            found = [[vertex.nr for vertex in element.vertices] for element in self.mesh.Elements(VOL)]
+            nodes = np.array([one + [-1] * (max(TYPES[self.dim]) - len(one)) for one in found])
+        return nodes
 
     @staticmethod
     def _SlotsBySize(cells):
@@ -109,10 +123,11 @@ class Patches:
         """FacetPatches of the facets of E0, or of those where `wanted` is True."""
         chosen = np.flatnonzero(self.share > 0 if wanted is None else wanted & (self.share > 0))
         first, two = self._first[chosen], self.facets.neighbours[chosen] > 1
-        other = np.where(two, self._group[np.minimum(first + 1, len(self._group) - 1)], -1)
-        for members in Equal(self._group[first], other, self._size[first]):
+        second = np.minimum(first + 1, len(self._group) - 1)
+        for members in Equal(self._group[first], self._slot[first], np.where(two, self._group[second], -1),
+                             np.where(two, self._slot[second], -1)):
             paired = two[members[0]]
-            entries = self._size[first[members[0]]] * self.dim * (1 + paired) * 2 * self.dim * self.cells[0].na
+            entries = ((1 + paired) * self.dim * self.cells[0].na) ** 2
             for part in _Parts(members, entries):
                 numbers = (first[part], first[part] + 1) if paired else (first[part],)
                 yield FacetPatch(chosen[part], np.stack([self._element[number] for number in numbers], axis=1),

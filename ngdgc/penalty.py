@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 from ngsolve import L2, GridFunction, OuterProduct, Sym
 
+from .cells import Cells
 from .facets import THREADED, VolumePoints
 from .parallel import Map
 
@@ -28,29 +29,29 @@ MARGIN = 2      # kappa_K = 1/MARGIN for penalty="auto": B_h >= (1 - 1/sqrt 2) o
 def ElementPencil(operators, facetweight, pencil):
     """Largest eigenvalue over V_h(K) of sum_e facetweight_e pencil_e against int_K C eps:eps, over elements.
 
-    `pencil(cells, side)` gives the matrices of a quadratic form of eps on a side (`cells` module).  Elements with weight zero
-    on all facets get 0.
+    pencil(cells, weights) : the matrices of a quadratic form of eps, summed over sides with weights (n, sides)
     """
     largest = np.zeros(operators.mesh.ne)
     for cells in operators.cells:
         weights = facetweight[cells.facets]
-        touched = np.flatnonzero(weights.any(axis=1))
-        if len(touched):
-            upper = np.zeros_like(cells.energy)
-            for matrices in Map(lambda s, cells=cells, weights=weights: weights[:, s, None, None] * pencil(cells, s),
-                                cells.sides, threads=operators.many):
-                upper += matrices
-            largest[cells.elements[touched]] = _LargestEigenvalues(upper[touched], cells.energy[touched],
-                                                                   cells.rotations[touched])
+        if weights.any():
+            largest[cells.elements] = LargestEigenvalues(pencil(cells, weights), cells)
     return largest
 
 
-def _LargestEigenvalues(upper, lower, rotations):
-    """Largest eigenvalues of upper x = kappa lower x, (n,), where both vanish on rigid motions.
+def LargestEigenvalues(upper, cells):
+    """Largest eigenvalues of upper x = kappa K x, (n,), on the elements of a group, where both vanish on rigid motions.
 
-    rotations (n, m, d (d-1)/2) : functionals that no rotation but 0 annihilates.  Adding their squares to `lower` changes no
-    eigenvalue, since a rotation can be added to x until they vanish; functions without gradient are left out.
+    Adding the squares of functionals that no rotation but 0 annihilates to K changes no eigenvalue, since a rotation can be
+    added to x until they vanish; functions without gradient are left out.
     """
+    lower, rotations = cells.energy, cells.rotations
+    diagonal = np.diagonal(lower, axis1=1, axis2=2).argmax(axis=1)
+    each = np.arange(len(lower))
+    ratio = upper[each, diagonal, diagonal] / lower[each, diagonal, diagonal]
+    # Strains that are constant: the two forms are proportional, and their ratio is the eigenvalue.
+    if np.abs(upper - ratio[:, None, None] * lower).max() <= 1e-13 * np.abs(upper).max():
+        return ratio
     moving = np.any(np.diagonal(lower, axis1=1, axis2=2) > 0, axis=0)
     select = np.ix_(np.arange(len(lower)), np.flatnonzero(moving), np.flatnonzero(moving))
     upper, lower, rotations = upper[select], lower[select], rotations[:, moving]
@@ -92,7 +93,7 @@ class ScalarPenalty:
         shear = np.zeros(mesh.ne)
         np.maximum.at(shear, points["nr"], operators.material.ShearAt(points))
         unit = facets.LargestNeighbour(shear) * _Scale(operators)
-        needed = ElementPencil(operators, operators.share / unit, lambda cells, s: cells.PlainPencil(s)).max(initial=0)
+        needed = ElementPencil(operators, operators.share / unit, Cells.PlainPencil).max(initial=0)
         self.value = MARGIN * needed if value == "auto" else value
         self.bound = needed / self.value
         self._facets, self._operators, self._weights = facets, operators, self.value * unit
@@ -123,7 +124,7 @@ class ElasticPenalty:
         facets, share = operators.facets, operators.share
         self._facets, self._operators = facets, operators
         self._onfacets = facets.measure if value == "auto" else value * _Scale(operators)
-        needed = ElementPencil(operators, share / self._onfacets, lambda cells, s: cells.ElasticPencil(s))
+        needed = ElementPencil(operators, share / self._onfacets, Cells.ElasticPencil)
         self._inelements = MARGIN * needed if value == "auto" else np.ones(operators.mesh.ne)
         self.bound = 1 / MARGIN if value == "auto" else needed.max(initial=0)
 

@@ -13,10 +13,9 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import L2, VOL, BilinearForm, ElementId, InnerProduct, MatrixValued, dx
-from ngsolve.la import SparseMatrixd
 
 from .elasticity import Strain
-from .facets import Csr
+from .facets import Csr, Native
 from .skeleton import Coefficients, SkeletonForm
 
 
@@ -42,13 +41,13 @@ class LiftedSkeletonForm(SkeletonForm):
         if self.lifted:
             coupling = self._R.T @ self._inverse @ self._Sum(self._B())
             matrix = matrix + coupling.T + self.theta * coupling
-        return _Native(matrix)
+        return Native(matrix)
 
     def Norm(self):
         """The matrix of g_h + stabilisation + (C r_0, r_0)."""
         form = self._Energy()
         self._AddPenalty(form)
-        return _Native(Csr(form.Assemble().mat) + self._Stabilisation(self._B(), self._B()))
+        return Native(Csr(form.Assemble().mat) + self._Stabilisation(self._B(), self._B()))
 
     def Prescribed(self):
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
@@ -184,8 +183,3 @@ class LiftedSkeletonForm(SkeletonForm):
     @cached_property
     def _W(self):
         return self._inverse @ self._Mass(self.material.Stress, self.material.bonus) @ self._inverse
-
-
-def _Native(matrix):
-    entries = matrix.tocoo()
-    return SparseMatrixd.CreateFromCOO(entries.row, entries.col, entries.data, *matrix.shape)

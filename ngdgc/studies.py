@@ -1,4 +1,4 @@
-"""The commands that compare methods: Table 3, convergence, locking."""
+"""The commands that compare methods: Table 3, convergence, locking, cost."""
 
 import sys
 from pathlib import Path
@@ -37,9 +37,23 @@ def AddStudies(commands):
     locking.add_argument("--out", default="results", help="folder for table and figure (default results/)")
     locking.set_defaults(command=Locking)
 
+    bench = commands.add_parser("bench", help="what things cost beside the factorisation of the matrix")
+    benches = bench.add_subparsers(metavar="WHAT", required=True)
+    assembly = benches.add_parser("assembly", help="assembly of a method on Example 4.1", description="Seconds for spaces and "
+                                  "checks, for assembly (all operators, penalty, matrix) and for NGSolve's factorisation of "
+                                  "the matrix, in one run: medians, and the peak memory of the assembly.")
+    assembly.add_argument("--method", nargs="+", default=["ip"], help="ip, bassi, brezzi, ldg, nipg, iipg, h1 (default ip)")
+    assembly.add_argument("--form", default="edge", help="edge or lifting (default edge)")
+    assembly.add_argument("--assembly", default="facet", help="facet or skeleton, NGSolve's symbols (default facet)")
+    assembly.add_argument("--order", type=Positive, default=1, help="polynomial degree (default 1)")
+    assembly.add_argument("--n", type=Positive, default=256, help="cells per side (default 256: 786 432 unknowns at order 1)")
+    assembly.add_argument("--repeat", type=Positive, default=3, help="runs, of which the medians are shown (default 3)")
+    assembly.set_defaults(command=BenchAssembly)
+
 
 def _AddMethod(parser, forms=False):
-    parser.add_argument("--method", default="all", help="ip, bassi, brezzi, ldg, h1 or all (default)")
+    parser.add_argument("--method", default="all", help="ip, bassi, brezzi, ldg, nipg, iipg, h1, or all: the paper's "
+                        "four and h1 (default)")
     if forms:
         parser.add_argument("--form", help="edge or lifting (default: both)")
         parser.add_argument("--penalty", default="auto", type=NumberOrAuto, help="of every discontinuous method, as for run")
@@ -92,6 +106,21 @@ def Locking(options):
     sweeps = [Study(method, order=order, n=options.n, lam=options.lam, callback=_Show)
               for method in methods.values() for order in options.order]
     _Write(folder, "locking", Text(sweeps), {"locking": LockingFigure(sweeps)})
+    return 0
+
+
+def BenchAssembly(options):
+    """Assembly beside factorisation."""
+    from .bench import MeasureAssembly, Text
+    from .variants import Variants
+
+    methods = [method for name in options.method
+               for method in Variants(name, form=None if name == "h1" else options.form).values()]
+    rows = []
+    for method in methods:
+        _Show(f"{method!r}, order {options.order}, n = {options.n}")
+        rows.append(MeasureAssembly(method, order=options.order, n=options.n, repeat=options.repeat, assembly=options.assembly))
+    print(Text(rows))
     return 0
 
 

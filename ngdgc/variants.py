@@ -1,9 +1,10 @@
-"""The nine discretisations to compare: four discontinuous methods in two forms each, and H1."""
+"""The nine discretisations to compare: the paper's four discontinuous methods in two forms each, and H1."""
 
 from .exceptions import ProblemError
 from .methods import METHODS
 
 FORMS = ("edge", "lifting")
+PAPER = ("ip", "bassi", "brezzi", "ldg", "h1")
 
 
 def Label(method):
@@ -19,7 +20,7 @@ def Label(method):
 def Variants(method="all", *, form=None, penalty="auto"):
     """Methods by their names on the command line, {label: method}.
 
-    method : one of METHODS ("ip", "bassi", "brezzi", "ldg", "h1") or "all"
+    method : one of METHODS ("ip", "bassi", "brezzi", "ldg", "nipg", "iipg", "h1") or "all", those of the paper and "h1"
     form : "edge" or "lifting", by default both
     penalty : "auto", a number for every discontinuous method, or {name: penalty} with "auto" for those it does not name
 
@@ -37,7 +38,7 @@ def Variants(method="all", *, form=None, penalty="auto"):
             raise ProblemError(f"{name} does not apply to method 'h1'")
     penalties = penalty if isinstance(penalty, dict) else dict.fromkeys(METHODS, penalty)
     chosen = []
-    for name in METHODS if method == "all" else (method,):
+    for name in PAPER if method == "all" else (method,):
         row, eta = METHODS[name], penalties.get(name, "auto")
         chosen += [row(form=one, penalty=eta) for one in FORMS if form in (one, None)] if row.discontinuous else [row()]
     return {Label(one): one for one in chosen}

@@ -24,8 +24,9 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["methods"], ["discretization"],
           ["resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
           ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas"],
+          ["lemmas"], ["consistency"],
           ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"], ["plots.__init__"],
-          ["convergence", "locking", "output", "table3"], ["studies"], ["cli"]]
+          ["bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]
 
 
 def test_tests_run_against_the_installed_package():

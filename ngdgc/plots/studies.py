@@ -4,11 +4,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
-from .canvas import BLUE, GREEN, ORANGE, VERMILION
+from .canvas import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
 # Colour, marker and its size: curves of different methods lie on each other, so smaller markers sit in larger ones.
 STYLES = {"IP": (BLUE, "s", 9), "Bassi": (GREEN, "^", 7.5), "Brezzi": (ORANGE, "D", 5), "LDG": (VERMILION, "o", 3.5),
-          "H1": ("black", "x", 5)}
+          "NIPG": (SKY, "v", 6), "IIPG": (PURPLE, "<", 6), "H1": ("black", "x", 5)}
 NORMS = (("energy", 0, r"energy error $|u-u_h|_{1,h}$  [(stress length$^d$)$^{1/2}$]"),
          ("l2", 1, r"$L^2$ error $|u-u_h|_0$  [length$^{1+d/2}$]"))
 

@@ -6,7 +6,8 @@ from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .foundation import (ComplianceLaw, CoulombFriction, Foundation, FrictionLaw, NormalCompliance, PowerFriction,
                          TrescaFriction)
 from .lifting import Lifting
-from .methods import LDG, BassiEtAl, BrezziEtAl, Conforming, InteriorPenalty
+from .methods import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInteriorPenalty, InteriorPenalty,
+                      NonsymmetricInteriorPenalty)
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .solvers import Contraction, EstimateContraction, UzawaSolver
@@ -16,5 +17,6 @@ __version__ = "0.1.0"
 # What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for.
 __all__ = ["LDG", "AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "ComplianceLaw", "Conforming", "ContactProblem",
            "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction", "Foundation",
-           "FrictionLaw", "HookeMaterial", "InteriorPenalty", "Lifting", "NormalCompliance", "NotConvergedError",
-           "PowerFriction", "ProblemError", "SolveInterrupted", "TrescaFriction", "UzawaSolver"]
+           "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "Lifting",
+           "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction", "ProblemError",
+           "SolveInterrupted", "TrescaFriction", "UzawaSolver"]

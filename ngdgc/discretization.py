@@ -3,15 +3,15 @@
 from functools import cached_property
 
 import numpy as np
-from ngsolve import GridFunction, ds, dx
+from ngsolve import BilinearForm, GridFunction, LinearForm, ds, dx
 
 from .coefficients import Unfolded
 from .contact import ContactBoundary
 from .exceptions import ProblemError
-from .facets import Facets, Threads
+from .facets import Csr, Facets, Native, Threads
 from .problem import ContactProblem
 from .skeleton import Coefficients
-from .stability import CheckCoercivity
+from .stability import CheckCoercivity, CheckSum
 from .validation import CheckMesh, CheckProblem, UnresistedMotion
 
 LOADBONUS = 2       # quadrature degrees for loads that are no polynomials of the order of the displacement
@@ -23,9 +23,10 @@ class Discretization:
     Parameters
     ----------
     problem : ContactProblem
-    method : InteriorPenalty or Conforming
+    method : a row of the `methods` module, such as LDG(form="lifting") or Conforming()
     mesh : ngsolve.Mesh, 2D or 3D; curve it (mesh.Curve(order)) before, if its boundary is curved
     order : polynomial degree k of the displacement
+    assembly : "facet", blocks on facets and elements, or "skeleton", NGSolve's symbols: the same matrix, slower and readable
 
     Raises ProblemError for data that do not fit the mesh, here, and for a lost coercivity or a body that only its
     foundation holds, when the matrix is first needed.
@@ -54,7 +55,7 @@ class Discretization:
         self.unresisted = UnresistedMotion(problem, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
         self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), self.order)
-        self.solves = 0
+        self.solves, self.addedmatrices, self.addedloads = 0, [], []
 
     def __repr__(self):
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "
@@ -66,15 +67,67 @@ class Discretization:
         return self.method.Form(self.problem, self.facets, self.space, self.order, self.assembly)
 
     @cached_property
+    def facetform(self):
+        """B_h of a discontinuous method from facet operators, whichever route assembles."""
+        return self.form if self.assembly == "facet" else self.method.Form(self.problem, self.facets, self.space, self.order,
+                                                                           "facet")
+
+    def Add(self, form):
+        """Add a BilinearForm or a LinearForm on `space` to B_h or to f, before anything is solved; returns the Discretization.
+
+        The sum must stay coercive, which an eigenvalue computation checks.  Forces of added forms appear as "added" in the
+        balance.  Raises ProblemError for another kind of object, another space, or if the matrix is there already.
+
+        >>> from ngsolve import BilinearForm, CF, dx
+        >>> from ngdgc import *
+        >>> from ngdgc.meshes import RectangleMesh
+        >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), Foundation("bottom", NormalCompliance(1)),
+        ...                          dirichlet={"top": CF((0, 0))})
+        >>> disc = Discretization(problem, LDG(), RectangleMesh(4))
+        >>> u, v = disc.space.TnT()
+        >>> springs = BilinearForm(disc.space)
+        >>> springs += 3 * u * v * dx
+        >>> disc.Add(springs).matrix.height
+        192
+        """
+        if not isinstance(form, (BilinearForm, LinearForm)):
+            raise ProblemError(f"form is {form!r}; give an NGSolve BilinearForm or LinearForm on disc.space")
+        if form.space is not self.space:
+            raise ProblemError("form lives on another space; make it on disc.space")
+        if {"matrix", "loads", "inverse"} & set(self.__dict__):
+            raise ProblemError("the matrix or the load is there already; add forms right after the Discretization is made")
+        with Threads(self.mesh):
+            form.Assemble()
+        (self.addedmatrices if isinstance(form, BilinearForm) else self.addedloads).append(form)
+        return self
+
+    @cached_property
     def matrix(self):
         """NGSolve's matrix A of B_h, checked for coercivity."""
         with Threads(self.mesh):
             matrix = self.form.Matrix()
+            if self.addedmatrices:
+                matrix = Native(Csr(matrix) + self.addedmatrix)
             if not np.all(np.isfinite(matrix.AsVector().FV().NumPy())):
                 raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
                                    "division by zero or a root of a negative number")
-            CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs())
+            if self.addedmatrices:
+                CheckSum(self.form, matrix, self.space.FreeDofs())
+            else:
+                CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs())
         return matrix
+
+    @cached_property
+    def addedmatrix(self):
+        """The sum of the added bilinear forms as scipy CSR."""
+        return sum(Csr(form.mat) for form in self.addedmatrices)
+
+    @property
+    def symmetric(self):
+        """True if A is symmetric, up to the round-off of assembly."""
+        if not self.addedmatrices:
+            return self.method.symmetric
+        return self.method.symmetric and abs(self.addedmatrix - self.addedmatrix.T).max() <= 1e-12 * abs(self.addedmatrix).max()
 
     @cached_property
     def loads(self):
@@ -86,6 +139,8 @@ class Discretization:
         for region, value in problem.traction.items():
             measure = ds(skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
             loads["traction", region] = Coefficients(Unfolded(value) * v * measure)
+        for form in self.addedloads:
+            loads["added", None] = loads.get(("added", None), 0) + form.vec.FV().NumPy()
         loads |= {("prescribed", region): load for region, load in self.form.Prescribed().items()}
         for (kind, region), load in loads.items():
             if not np.all(np.isfinite(load)):
@@ -115,7 +170,7 @@ class Discretization:
                                "step; until the contact stiffness is part of the matrix, add dirichlet or roller")
         with Threads(self.mesh):
             # A Cholesky factorisation of an unsymmetric matrix would be wrong without a word.
-            kind = "sparsecholesky" if self.method.symmetric else "umfpack"
+            kind = "sparsecholesky" if self.symmetric else "umfpack"
             return self.matrix.Inverse(self.space.FreeDofs(), inverse=kind)
 
     def Multiply(self, vector):

@@ -8,7 +8,7 @@ from itertools import chain
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, SEGM, TET, TRIG, VOL, BilinearForm, ElementId, FacetFESpace,
-                     GridFunction, IntegrationRule, L2, LinearForm, TaskManager, ds, dx, specialcf, x, y, z)
+                     GridFunction, IfPos, IntegrationRule, L2, LinearForm, TaskManager, ds, dx, specialcf, x, y, z)
 from ngsolve.la import SparseMatrixd
 
 # Vertices of NGSolve's reference elements, in the order of Element.vertices.
@@ -94,6 +94,17 @@ class Facets:
         points = self.mesh.ngmesh.Coordinates()
         return np.array([max(np.linalg.norm(points[a.nr] - points[b.nr]) for a in facet.vertices for b in facet.vertices)
                          for facet in self.mesh.facets])
+
+    @cached_property
+    def orientation(self):
+        """1 in the element that fixes the normal of a facet, the one with the smaller number, and -1 in the other one.
+
+        A CoefficientFunction for integrals over element boundaries.
+        """
+        first = self.Function(self.incidence.indices[self.incidence.indptr[:-1]])
+        number = GridFunction(L2(self.mesh, order=0))
+        number.vec.FV().NumPy()[:] = np.arange(self.mesh.ne)
+        return IfPos(0.25 - (first - number) ** 2, 1, -1)
 
     @cached_property
     def component(self):

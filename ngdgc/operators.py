@@ -153,9 +153,13 @@ class FacetOperators(Patches):
     def _tracevalues(self):
         return Sides(self, lambda cells, s: cells.TraceValue(s))
 
+    def TraceValues(self, side):
+        """u on one side of the facets as coefficients in F_h, (n, r, m)."""
+        return self._tracevalues(side)
+
     def SideJump(self, side):
         """The part of M_F^-1 J on one side, (n, r, m)."""
-        return self._tracevalues(side) * side.sign[:, None, None]
+        return self.TraceValues(side) * side.sign[:, None, None]
 
     def SideTraction(self, side, facets, lifted):
         """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, m)."""

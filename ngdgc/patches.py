@@ -119,9 +119,10 @@ class Patches:
         return Side(int(self._group[numbers[0]]), int(self._size[numbers[0]]), self._row[numbers], self._position[numbers],
                     np.where(numbers == self._first[self._facet[numbers]], 1.0, -1.0))
 
-    def FacetPatches(self, wanted=None):
-        """FacetPatches of the facets of E0, or of those where `wanted` is True."""
-        chosen = np.flatnonzero(self.share > 0 if wanted is None else wanted & (self.share > 0))
+    def FacetPatches(self, wanted=None, *, weak=True):
+        """FacetPatches of the facets of E0, or of those where `wanted` is True; also of others with weak=False."""
+        chosen = self.share > 0 if weak else np.ones(len(self.share), dtype=bool)
+        chosen = np.flatnonzero(chosen if wanted is None else wanted & chosen)
         first, two = self._first[chosen], self.facets.neighbours[chosen] > 1
         second = np.minimum(first + 1, len(self._group) - 1)
         for members in Equal(self._group[first], self._slot[first], np.where(two, self._group[second], -1),

@@ -18,7 +18,7 @@ from .skeleton import Coefficients
 class Resultant:
     """Force on the body (d,) [stress length^(d-1)] and its moment about the origin (1,) in 2D or (3,) [stress length^d].
 
-    kind : "dirichlet", "roller", "traction", "foundation" or "bodyforce"
+    kind : "dirichlet", "roller", "traction", "foundation", "bodyforce", or "added" for the user's own forms
     integrated : (force, moment) of int C eps(u_h) n over the region where it differs from the reported value, the strongly
         imposed displacements of H1; None elsewhere
     """
@@ -55,12 +55,21 @@ def Resultants(solution):
               for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
     found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
               if kind in ("traction", "bodyforce")]
+    if disc.addedmatrices or disc.addedloads:
+        found.append(Resultant("added", None, *Split(basis @ _AddedForce(solution))))
     contact = disc.contact
     motions = RigidMotionsAt(contact.coordinates)
     for foundation, here, _, _ in contact.parts:
         modes = -np.einsum("cnd,nd,n->c", motions[:, here], solution.traction[here], contact.weights[here])
         found.append(Resultant("foundation", foundation.boundary, *Split(modes)))
     return found
+
+
+def _AddedForce(solution):
+    """Coefficients of the forces that added forms exert on the body."""
+    disc = solution.disc
+    force = disc.loads.get(("added", None), np.zeros(disc.space.ndof))
+    return force - disc.addedmatrix @ solution.vector if disc.addedmatrices else force
 
 
 def _StrongReactions(solution):
@@ -107,7 +116,7 @@ def ElementImbalance(solution):
     disc = solution.disc
     contributions = [*disc.form.Fluxes(solution.gfu).values()]
     contributions += [load for (kind, _), load in disc.loads.items() if kind in ("traction", "bodyforce")]
-    contributions.append(-disc.contact.Load(solution.traction))
+    contributions += [-disc.contact.Load(solution.traction), _AddedForce(solution)]
     basis = RigidBasis(disc.space)
     owner = np.empty(disc.space.ndof, dtype=int)
     for element in range(disc.mesh.ne):

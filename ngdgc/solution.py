@@ -11,6 +11,7 @@ from .contact import ZONES
 from .discretization import Discretization
 from .elasticity import Strain
 from .exceptions import ProblemError
+from .fluxes import Flux
 from .report import Report, Summary
 from .resultants import ElementImbalance, GlobalImbalance, Resultants
 
@@ -69,6 +70,11 @@ class ContactSolution:
     def stress(self):
         """C eps(u_h), CoefficientFunction (d, d) [stress]."""
         return self.disc.problem.material.Stress(self.strain)
+
+    @cached_property
+    def flux(self):
+        """The numerical flux sigma_hat n on every facet, a GridFunction (d,) [stress]; see `fluxes.Flux`.  DG only."""
+        return Flux(self)
 
     @property
     def points(self):

@@ -93,3 +93,11 @@ def CheckCoercivity(method, form, matrix, freedofs):
     if smallest <= 1e-6:        # zero up to round-off in a spectrum of size 1
         raise ProblemError(f"penalty={_Words(method.penalty)} loses coercivity on this mesh, order and material (smallest "
                            f"eigenvalue {smallest:.3g} of the form against its energy norm); {_Remedy(method, form.bound)}")
+
+
+def CheckSum(form, matrix, freedofs):
+    """Raise ProblemError if B_h with added forms, whose matrix is given, is not coercive."""
+    smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs)
+    if smallest <= 1e-6:
+        raise ProblemError(f"with the forms that were added B_h is not coercive (smallest eigenvalue {smallest:.3g} against "
+                           "g_h + penalty); look at their sign and size, or take a larger penalty")

@@ -4,9 +4,20 @@ import numpy as np
 import pytest
 from ngsolve import CF, GridFunction, y
 
-from ngdgc import Conforming, ContactProblem, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, TrescaFriction
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, TrescaFriction)
 
 METHODS = [InteriorPenalty(), InteriorPenalty(penalty=30), Conforming()]
+
+
+ROWS = (InteriorPenalty, BassiEtAl, BrezziEtAl, LDG)
+EIGHT = [row(form=form) for row in ROWS for form in ("edge", "lifting")]
+
+
+@pytest.fixture(params=EIGHT, ids=[f"{method.name}-{method.form}" for method in EIGHT])
+def eight(request):
+    """The four methods in their two forms."""
+    return request.param
 
 
 @pytest.fixture(params=METHODS, ids=["ip-auto", "ip-30", "h1"])

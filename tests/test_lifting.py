@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import Example, Interpolate
+from conftest import EIGHT, ROWS, Example, Interpolate
 from ngsolve import (CF, L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, Integrate, LinearForm, MatrixValued,
                      VectorL2, ds, dx, specialcf, x, y, z)
 from ngsolve.meshes import MakeStructured3DMesh
@@ -16,14 +16,7 @@ from ngdgc.facetform import FacetForm
 from ngdgc.facets import Csr
 from ngdgc.meshes import RectangleMesh
 
-ROWS = (InteriorPenalty, BassiEtAl, BrezziEtAl, LDG)
-EIGHT = [row(form=form) for row in ROWS for form in ("edge", "lifting")]
 SOLVER = UzawaSolver(tol=1e-11)
-
-
-@pytest.fixture(params=EIGHT, ids=[f"{method.name}-{method.form}" for method in EIGHT])
-def eight(request):
-    return request.param
 
 
 def Cube(cells, n=1):

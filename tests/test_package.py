@@ -22,7 +22,7 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"],
-          ["resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
+          ["fluxes", "resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
           ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas"],
           ["lemmas"], ["consistency"],
           ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"], ["plots.__init__"],

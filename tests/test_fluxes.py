@@ -1,0 +1,120 @@
+"""The numerical fluxes as functions on the facets, and the user's own forms."""
+
+import numpy as np
+import pytest
+from conftest import EIGHT, Example
+from ngsolve import CF, L2, BilinearForm, GridFunction, Integrate, LinearForm, Parameter, VectorL2, dx, grad, x, y
+from test_forms import GRADED, Distorted
+
+from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, IncompleteInteriorPenalty,
+                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, TrescaFriction, UzawaSolver)
+from ngdgc.facets import RigidMotions
+from ngdgc.meshes import BoxMesh, RectangleMesh
+
+ROWS = [*EIGHT, NonsymmetricInteriorPenalty(), IncompleteInteriorPenalty(form="lifting")]
+
+
+def Loaded(dim, material=None):
+    """A body with every kind of load and support."""
+    zero = (0,) * (dim - 1)
+    return ContactProblem(material or HookeMaterial(E=200, nu=0.3),
+                          Foundation("bottom", NormalCompliance(10), friction=TrescaFriction(0.2)),
+                          dirichlet={"right": CF((0.01 * y, *zero))}, roller={"top": -0.01 * x},
+                          traction={"left": CF((10 + y, -5, 3)[:dim])}, bodyforce=CF((x ** 2, -y, 2)[:dim]))
+
+
+def Unbalanced(solution, orientation):
+    """int_dK orientation sigma_hat n.r + int_K f_1.r for the rigid motions r, (motions, elements), by NGSolve's integrals."""
+    mesh = solution.disc.mesh
+    one = L2(mesh, order=0).TestFunction()
+    found = []
+    for motion in RigidMotions(mesh.dim):
+        form = LinearForm((orientation * (solution.flux * motion) * one) * dx(element_boundary=True, bonus_intorder=8))
+        form += (Parameter(0) + solution.disc.problem.bodyforce * motion) * one * dx(bonus_intorder=8)
+        found.append(form.Assemble().vec.FV().NumPy().copy())
+    return np.array(found)
+
+
+@pytest.mark.parametrize("assembly", ["facet", "skeleton"])
+@pytest.mark.parametrize("method", ROWS, ids=[f"{method.name}-{method.form}" for method in ROWS])
+@pytest.mark.parametrize("mesh, material", [(Distorted("mixed"), None), (Distorted("triangle"), GRADED),
+                                            (BoxMesh(1, cells="prism"), None)], ids=["mixed", "graded", "prism"])
+def test_fluxes_balance_on_every_element(mesh, material, method, assembly):
+    """Force and moment of the fluxes and the body force vanish on each element; with the wrong orientation they do not."""
+    disc = Discretization(Loaded(mesh.dim, material), method, mesh, order=2, assembly=assembly)
+    solution = UzawaSolver(tol=1e-11).Solve(disc)
+    size = np.abs(Integrate(solution.disc.problem.traction["left"], mesh, definedon=mesh.Boundaries("left"))).max()
+    assert np.abs(Unbalanced(solution, solution.disc.facets.orientation)).max() < 1e-10 * size
+    assert np.abs(Unbalanced(solution, CF(1))).max() > 1e-2 * size
+    assert np.abs(solution.ElementImbalance()).max() < 1e-10
+
+
+def test_flux_on_the_boundary_is_the_traction_there(eight):
+    solution = UzawaSolver().Solve(Discretization(Loaded(2), eight, RectangleMesh(4), order=2))
+    forces = {resultant.region: resultant.force for resultant in solution.Resultants() if resultant.region}
+    assert set(forces) == {"right", "top", "left", "bottom"}
+    for region, force in forces.items():
+        integral = np.array(Integrate(solution.flux, solution.disc.mesh, definedon=solution.disc.mesh.Boundaries(region)))
+        assert integral == pytest.approx(force, abs=1e-9 * np.abs(forces["left"]).max())
+    assert np.abs(forces["bottom"]).min() > 1e-3
+
+
+def test_conforming_method_has_no_flux():
+    solution = UzawaSolver().Solve(Discretization(Example(), Conforming(), RectangleMesh(2), order=1))
+    with pytest.raises(ProblemError, match="H1 has no numerical flux"):
+        solution.flux    # noqa: B018
+
+
+@pytest.mark.parametrize("assembly", ["facet", "skeleton"])
+@pytest.mark.parametrize("method", [LDG(), InteriorPenalty(), Conforming()], ids=lambda method: method.name)
+def test_added_body_force_and_springs(method, assembly):
+    """A LinearForm (b, v) is a body force; a BilinearForm (k u, v) a spring foundation in the volume."""
+    mesh, force = RectangleMesh(4), CF((3, -40))
+    problem = Example(20.0, friction=0.1)
+    given = UzawaSolver().Solve(Discretization(Example(20.0, friction=0.1, bodyforce=force), method, mesh, order=2))
+    disc = Discretization(problem, method, mesh, order=2, assembly=assembly)
+    added = UzawaSolver().Solve(disc.Add(LinearForm(force * disc.space.TestFunction() * dx)))
+    assert np.abs(added.vector - given.vector).max() < 1e-9 * np.abs(given.vector).max()
+    assert added.GlobalImbalance() < 1e-10
+
+    disc = Discretization(problem, method, mesh, order=2, assembly=assembly)
+    u, v = disc.space.TnT()
+    springs = BilinearForm(disc.space)
+    springs += 2000 * u * v * dx
+    held = UzawaSolver().Solve(disc.Add(springs))
+    assert held.GlobalImbalance() < 1e-10
+    assert np.abs(held.vector - given.vector).max() > 0.1 * np.abs(given.vector).max()
+    if method.discontinuous:
+        assert np.abs(held.ElementImbalance()).max() < 1e-10
+    springy = next(resultant.force for resultant in held.Resultants() if resultant.kind == "added")
+    assert springy == pytest.approx(-2000 * np.array(Integrate(held.gfu, mesh)), rel=1e-9)
+
+
+def test_added_forms_that_do_not_fit_are_refused():
+    disc = Discretization(Example(), LDG(), RectangleMesh(2), order=1)
+    u, v = disc.space.TnT()
+    with pytest.raises(ProblemError, match="form is 3"):
+        disc.Add(3)
+    with pytest.raises(ProblemError, match="another space"):
+        disc.Add(LinearForm(VectorL2(disc.mesh, order=1)))
+    negative = BilinearForm(disc.space)
+    negative += -1e5 * u * v * dx
+    with pytest.raises(ProblemError, match="with the forms that were added B_h is not coercive"):
+        disc.Add(negative).matrix    # noqa: B018
+    solved = UzawaSolver().Solve(Discretization(Example(), LDG(), RectangleMesh(2), order=1)).disc
+    with pytest.raises(ProblemError, match="the matrix or the load is there already"):
+        solved.Add(BilinearForm(solved.space))
+
+
+def test_unsymmetric_added_form_is_solved():
+    """Convection of the displacement: a Cholesky factorisation would be wrong without a word."""
+    disc = Discretization(Example(20.0), InteriorPenalty(), RectangleMesh(4), order=1)
+    u, v = disc.space.TnT()
+    convection = BilinearForm(disc.space)
+    convection += 300 * (grad(u) * CF((1, 0))) * v * dx
+    solution = UzawaSolver().Solve(disc.Add(convection))
+    assert not disc.symmetric
+    function = GridFunction(disc.space)
+    function.vec.FV().NumPy()[:] = solution.vector
+    residual = disc.Multiply(solution.vector) - disc.load + disc.contact.Load(solution.traction)
+    assert np.abs(residual).max() < 1e-9 * np.abs(disc.load).max()

@@ -17,8 +17,9 @@ setup(
     # The cases are files to read and run in the repository, and a package so that the installed command finds them anywhere.
     packages=["ngdgc", "ngdgc.solvers", "ngdgc.plots", "ngdgc.cases"],
     package_dir={"ngdgc.cases": "cases"},
-    # webgui_jupyter_widgets carries the viewer's JavaScript, which a page that opens without a network must embed.
-    install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "webgui_jupyter_widgets"],
+    # webgui_jupyter_widgets carries the viewer's JavaScript, which a page that opens without a network must embed;
+    # threadpoolctl keeps BLAS threads out of batches of small matrices.
+    install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "threadpoolctl>=3", "webgui_jupyter_widgets"],
     extras_require={"test": ["pytest", "ruff"]},
     entry_points={"console_scripts": ["ngdgc = ngdgc.cli:Main"]},
 )

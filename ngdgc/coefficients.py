@@ -9,6 +9,9 @@ from ngsolve import CF, CoefficientFunction, Parameter
 from .exceptions import ProblemError
 
 
+LOADBONUS = 2       # quadrature degrees for loads and prescribed values that are no polynomials of the displacement's order
+
+
 def IsNumber(value):
     return isinstance(value, Real) and not isinstance(value, bool)
 

@@ -3,9 +3,9 @@
 from functools import cached_property
 
 import numpy as np
-from ngsolve import BilinearForm, GridFunction, LinearForm, ds, dx
+from ngsolve import BilinearForm, GridFunction, LinearForm, Norm, ds, dx
 
-from .coefficients import Unfolded
+from .coefficients import LOADBONUS, Unfolded
 from .contact import ContactBoundary
 from .exceptions import ProblemError
 from .facets import Csr, Facets, Native, Threads
@@ -13,9 +13,6 @@ from .problem import ContactProblem
 from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
 from .validation import CheckMesh, CheckProblem, UnresistedMotion
-
-LOADBONUS = 2       # quadrature degrees for loads that are no polynomials of the order of the displacement
-
 
 class Discretization:
     """The discrete problem A u = f - T' W t, t = law(T u), of a method of order k >= 1 on a mesh.
@@ -64,6 +61,8 @@ class Discretization:
     @cached_property
     def form(self):
         """B_h of the method, before assembly."""
+        if self.mesh.ne != self.facets.incidence.shape[1]:
+            raise ProblemError("the mesh was refined after the Discretization was made; make a new one")
         return self.method.Form(self.problem, self.facets, self.space, self.order, self.assembly)
 
     @cached_property
@@ -98,8 +97,27 @@ class Discretization:
             raise ProblemError("the matrix or the load is there already; add forms right after the Discretization is made")
         with Threads(self.mesh):
             form.Assemble()
+        if isinstance(form, BilinearForm):
+            self._CheckAdded(form)
+        values = form.mat.AsVector() if isinstance(form, BilinearForm) else form.vec
+        if not np.all(np.isfinite(values.FV().NumPy())):
+            raise ProblemError("the added form is not finite; look for a division by zero or a root of a negative number")
         (self.addedmatrices if isinstance(form, BilinearForm) else self.addedloads).append(form)
         return self
+
+    def _CheckAdded(self, form):
+        """Raise ProblemError unless the BilinearForm is a sparse matrix on the space, and linear."""
+        if form.condense or not hasattr(form.mat, "CSR") or form.mat.shape != (self.space.ndof, self.space.ndof):
+            raise ProblemError("form is no sparse square matrix; make it BilinearForm(disc.space), without condense, "
+                               "nonassemble, diagonal or another test space")
+        vector, once, twice = (form.mat.CreateColVector() for _ in range(3))
+        vector.FV().NumPy()[:] = np.random.default_rng(1).standard_normal(self.space.ndof)
+        with Threads(self.mesh):
+            form.Apply(vector, once)
+            vector.data = 2 * vector
+            form.Apply(vector, twice)
+        if Norm(twice - 2 * once) > 1e-9 * Norm(twice):
+            raise ProblemError("form is not linear in the trial function; only bilinear forms can be added")
 
     @cached_property
     def matrix(self):

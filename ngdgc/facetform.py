@@ -13,8 +13,8 @@ Every matrix is built, and every vector computed, from batches of blocks on face
 import numpy as np
 from ngsolve import GridFunction, LinearForm, ds
 
-from .coefficients import Unfolded
-from .parallel import Map
+from .coefficients import LOADBONUS, Unfolded
+from .parallel import Batched, Map
 
 
 class FacetForm:
@@ -41,6 +41,7 @@ class FacetForm:
         """The matrix of g_h + Sigma(J u, J v) + (C r_0, r_0), against which coercivity is measured."""
         return self._Assemble(consistency=False)
 
+    @Batched
     def _Assemble(self, consistency):
         operators = self.operators
         matrix = operators.Matrix(self.space, reach=2 if self.globallift else 1)
@@ -93,7 +94,7 @@ class FacetForm:
         values |= {region: Unfolded(value) * n for region, value in problem.roller.items()}
         data = {}
         for region, value in values.items():
-            measure = ds(skeleton=True, definedon=operators.mesh.Boundaries(region), bonus_intorder=2)
+            measure = ds(skeleton=True, definedon=operators.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
             moments = LinearForm(value * mu * measure).Assemble().vec.FV().NumPy()
             data[region] = np.zeros(len(moments))
             for patch in operators.FacetPatches(operators.facets.On(region)):

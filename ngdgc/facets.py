@@ -41,6 +41,15 @@ def Threads(mesh):
     return TaskManager() if mesh.ne > THREADED else nullcontext()
 
 
+def Curved(mesh):
+    """True if elements may be no images of the reference element by their vertices alone."""
+    if mesh.GetCurveOrder() > 1 or mesh.deformation is not None:
+        return True
+    elements = mesh.ngmesh.Elements2D() if mesh.dim == 2 else mesh.ngmesh.Elements3D()
+    # Netgen's second-order elements have nodes that are no vertices.
+    return elements.NumPy()["nodes"].shape[1] > (4 if mesh.dim == 2 else 8)
+
+
 def Coordinates(dim):
     """The CoefficientFunction (x, y) or (x, y, z)."""
     return CF((x, y, z)[:dim])

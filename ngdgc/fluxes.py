@@ -3,8 +3,7 @@
 import numpy as np
 from ngsolve import BND, ElementId, LinearForm, ds
 
-from .coefficients import Unfolded
-from .discretization import LOADBONUS
+from .coefficients import LOADBONUS, Unfolded
 from .exceptions import ProblemError
 
 
@@ -14,7 +13,7 @@ def Flux(solution):
     On E0 the flux of the method, on Gamma_F the traction f_2, on Gamma_C the traction -t of the foundation on the body, each
     as its L2 projection on F_h.  With `facets.orientation`, which is 1 in the first element of a facet and -1 in the second,
     the traction on element K is orientation * sigma_hat n; its integral over the boundary of K and that of the body force
-    over K cancel, which is (3.10) tested with rigid motions.
+    over K cancel, which is (3.10) tested with rigid motions.  Forces of forms that were added are not in it.
 
     Raises ProblemError for the conforming method, which has no numerical flux.
     """

@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import VOL, IntegrationRule, specialcf
 
 from .elasticity import StiffnessAt
-from .facets import REFERENCE_VERTICES, VOLUME_TYPES, VolumePoints
+from .facets import REFERENCE_VERTICES, VOLUME_TYPES, Curved, VolumePoints
 from .shapes import Reference
 
 
@@ -47,7 +47,7 @@ class CellGeometry:
 
     def _AffineMaps(self, vertices):
         """dF (n, 1, d, d) if all elements are affine images of the reference element, else None."""
-        if self.mesh.GetCurveOrder() > 1 or self.mesh.deformation is not None:
+        if Curved(self.mesh):
             return None
         reference = np.array(REFERENCE_VERTICES[self.et], dtype=float)[:, :self.dim]
         corners = np.asarray(self.mesh.ngmesh.Coordinates())[vertices][..., :self.dim]

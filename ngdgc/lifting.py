@@ -4,6 +4,7 @@
 """
 
 from functools import cached_property
+from numbers import Integral
 
 import numpy as np
 import scipy.sparse as sp
@@ -130,14 +131,21 @@ class Lifting:
         if not disc.method.discontinuous:
             raise ProblemError(f"method {disc.method.name} has no jumps to lift; take a discontinuous one")
         order = disc.order if order is None else order
-        if not isinstance(order, int) or order < 0:
+        if isinstance(order, bool) or not isinstance(order, Integral) or order < 0:
             raise ProblemError(f"order is {order!r}; the degree of the lifting space is an integer >= 0")
         share, rollers = WeakFacets(disc.problem, disc.facets)
         blocks = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
         self.operators, self.space = SparseOperators(blocks), blocks.liftings
 
+    def _CheckFacet(self, facet):
+        count = len(self.operators.share)
+        if not isinstance(facet, Integral) or not 0 <= facet < count:
+            raise ProblemError(f"facet is {facet!r}; the mesh has the facets 0 ... {count - 1}")
+
     def Matrix(self, facet=None):
         """r_0, or r_e of the facet with this number, as a sparse matrix from V_h to Q_h."""
+        if facet is not None:
+            self._CheckFacet(facet)
         operators = self.operators
         traces = operators.N.T
         if facet is not None:
@@ -150,10 +158,13 @@ class Lifting:
 
     def Local(self, gfu, facet):
         """r_e([u]) of the facet with this number; it lives on the elements at the facet."""
+        self._CheckFacet(facet)
         return self._Function(gfu, facet)
 
     def _Function(self, gfu, facet):
         operators = self.operators
+        if not isinstance(gfu, GridFunction) or gfu.space.ndof != operators.J.shape[1]:
+            raise ProblemError(f"gfu is {gfu!r}; give a GridFunction on the space of the discretisation")
         jump = operators.inverseMF @ (operators.J @ gfu.vec.FV().NumPy())
         if facet is not None:
             jump[operators.facetof != facet] = 0

@@ -1,6 +1,7 @@
 """The methods a problem can be discretised with: what space, and where the displacement is coupled weakly."""
 
 from dataclasses import dataclass, fields
+from numbers import Integral
 from typing import Any, ClassVar
 
 import numpy as np
@@ -11,6 +12,7 @@ from .exceptions import ProblemError
 from .facetform import FacetForm
 from .lifting import WeakFacets
 from .operators import FacetOperators
+from .parallel import Batched
 from .penalty import MARGIN, LargestEigenvalues, Penalty
 from .skeleton import Clamped, Interior, Roller, SkeletonForm
 from .skeletonlifting import LiftedSkeletonForm
@@ -29,7 +31,7 @@ class DiscontinuousGalerkin:
     singular : True admits liftorder=0 for r_e, to look at a singular matrix; no such problem is solved
 
     Rows: `globallift`, the term (C r_0[u], r_0[v]); `stabilisation`, "jump" for the jump penalty and "lifting" for
-    eta C r_e[u]:r_e[v]; `theta`, the factor of -<[v],{C eps(u)}>' transposed, 1 for a symmetric form.
+    eta C r_e[u]:r_e[v]; `theta`, the factor of -<[u],{C eps(v)}>, 1 for a symmetric form.
     """
 
     penalty: Any = "auto"
@@ -56,7 +58,10 @@ class DiscontinuousGalerkin:
         self._CheckLifting()
 
     def _CheckLifting(self):
-        if self.liftorder is not None and (not isinstance(self.liftorder, int) or self.liftorder < 0):
+        if not isinstance(self.singular, bool):
+            raise ProblemError(f"singular is {self.singular!r}; give True or False")
+        whole = isinstance(self.liftorder, Integral) and not isinstance(self.liftorder, bool)
+        if self.liftorder is not None and not (whole and self.liftorder >= 0):
             raise ProblemError(f"liftorder is {self.liftorder!r}; it must be an integer of at least 0")
         liftless = self.form == "edge" and self.stabilisation == "jump" and not self.globallift
         if self.liftorder is not None and liftless:
@@ -83,6 +88,7 @@ class DiscontinuousGalerkin:
     def ScalarSpace(self, mesh, order):
         return L2(mesh, order=order)
 
+    @Batched
     def Form(self, problem, facets, space, order, assembly):
         """B_h with E0 = interior facets, Gamma_D and rollers."""
         share, rollers = WeakFacets(problem, facets)
@@ -96,12 +102,16 @@ class DiscontinuousGalerkin:
             if self.form == "lifting" and self.theta != -1 and not operators.contains:
                 bound = np.inf      # the form has another coupling than the one that was estimated
         else:
-            needed = _NeededLifting(operators, self.form)
-            eta = MARGIN * needed if self.penalty == "auto" else self.penalty
+            facetcount, needed = _NeededLifting(operators, self.form)
+            eta = self.penalty
+            if self.penalty == "auto":
+                eta = MARGIN * (needed if np.isfinite(needed) else facetcount)
             bound = needed / eta
         if self.globallift and (self.form == "lifting" or bound >= 1 and operators.contains):
             # A square, g + 2 (C eps, r_0) + (C r_0, r_0): coercive for any penalty, if (C eps, r_0) is what the form has.
             bound = 0
+        if self.stabilisation == "lifting" and liftorder == 0:
+            bound = np.inf      # singular, which only eigenvalues see
         terms = {"lifted": self.form == "lifting", "globallift": self.globallift, "theta": self.theta, "bound": bound}
         if assembly == "facet":
             return FacetForm(problem, space, operators, rule=rule, eta=eta, **terms)
@@ -153,7 +163,8 @@ class BassiEtAl(DiscontinuousGalerkin):
     """Bassi et al. (Tables 1 and 2, second row): flux {C eps(u)} + eta {C r_e[u]}.
 
     penalty : eta in beta(u,v) = sum_e int eta C r_e([u]):r_e([v]), coercive above the number of facets of an element at most;
-        "auto" is twice that.
+        "auto" is twice that.  In the edge form, where the stress is not in Q_h, an eigenvalue problem on every element takes
+        the place of that number; with l < k - 1 there may be no such eta, and the form is refused.
 
     >>> BassiEtAl(form="lifting").form
     'lifting'
@@ -165,7 +176,7 @@ class BassiEtAl(DiscontinuousGalerkin):
 class BrezziEtAl(DiscontinuousGalerkin):
     """Brezzi et al. (Tables 1 and 2, third row): flux {C eps(u)} + {C r_0[u]} + eta {C r_e[u]}.
 
-    penalty : eta in beta, coercive for any eta > 0; "auto" is twice the number of facets of an element.
+    penalty : eta in beta, coercive for any eta > 0 in the lifting form and where the forms agree; "auto" as for BassiEtAl.
 
     >>> BrezziEtAl().globallift
     True
@@ -177,7 +188,7 @@ class BrezziEtAl(DiscontinuousGalerkin):
 class LDG(DiscontinuousGalerkin):
     """Local discontinuous Galerkin (Tables 1 and 2, fourth row): flux {C eps(u)} + {C r_0[u]} - eta/h [u].
 
-    penalty : as for InteriorPenalty, coercive for any number > 0.
+    penalty : as for InteriorPenalty, coercive for any number > 0 in the lifting form and where the forms agree.
 
     >>> LDG(penalty=1e-3).stabilisation
     'jump'
@@ -207,6 +218,7 @@ class Conforming:
     def ScalarSpace(self, mesh, order):
         return H1(mesh, order=order)
 
+    @Batched
     def Form(self, problem, facets, space, order, assembly):
         """a(u, v), with the terms of E0 = rollers; `assembly` makes no difference."""
         _, rollers = WeakFacets(problem, facets)
@@ -219,11 +231,15 @@ class Conforming:
 
 
 def _NeededLifting(operators, form):
-    """An eta above which the form with eta sum_e (C r_e, r_e) is coercive."""
+    """(largest number of facets of an element, an eta above which the form with eta sum_e (C r_e, r_e) is coercive)."""
+    facets = max(int((operators.share[cells.facets] > 0).sum(axis=1).max()) for cells in operators.cells)
     if form == "lifting" or operators.contains:
         # |r_0|^2 <= N_K sum_e |r_e|^2 on an element with N_K facets in E0.
-        return max(int((operators.share[cells.facets] > 0).sum(axis=1).max()) for cells in operators.cells)
-    return max(LargestEigenvalues(operators.EdgeCoupling(cells), cells).max() for cells in operators.cells)
+        return facets, facets
+    couplings = [operators.EdgeCoupling(cells) for cells in operators.cells]
+    if any(coupling is None for coupling in couplings):
+        return facets, np.inf
+    return facets, max(LargestEigenvalues(coupling, cells).max() for coupling, cells in zip(couplings, operators.cells))
 
 
 def _Parts(problem, mesh, rule):

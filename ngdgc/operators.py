@@ -220,10 +220,11 @@ class FacetOperators(Patches):
         return difference <= 1e-10 * largest
 
     def EdgeCoupling(self, cells):
-        """sum_e m_e S_e' G_e^-1 S_e on elements, (n, m, m), m_e = 2 between elements and 1 on the boundary.
+        """sum_e m_e S_e' G_e^-1 S_e on elements, (n, m, m), m_e = 2 between elements and 1 on the boundary, or None.
 
         S_e are the element's own tractions in the averages, G_e the local lifting energy of a facet: by Young's inequality
-        the edge form with eta sum_e (C r_e, r_e) is coercive if eta exceeds this against the energy of every element.
+        the edge form with eta sum_e (C r_e, r_e) is coercive if eta exceeds this against the energy of every element.  None if
+        some traction meets a jump whose lifting vanishes: then no eta will do.
         """
         energies = {int(facet): energy for patch in self.FacetPatches()
                     for facet, energy in zip(patch.facets, self.LocalEnergy(patch))}
@@ -231,8 +232,13 @@ class FacetOperators(Patches):
         for s in cells.sides:
             share = self.share[cells.facets[:, s]]
             weak = np.flatnonzero(share > 0)
+            if not len(weak):
+                continue
             tractions = share[weak, None, None] * cells.Traction(s)[weak]
-            inverse = np.linalg.pinv(np.array([energies[facet] for facet in cells.facets[weak, s]]), hermitian=True)
+            lifted = np.array([energies[facet] for facet in cells.facets[weak, s]])
+            inverse = np.linalg.pinv(lifted, rcond=1e-10, hermitian=True)
+            if np.abs(tractions - lifted @ (inverse @ tractions)).max() > 1e-8 * np.abs(tractions).max():
+                return None
             total[weak] += np.swapaxes(tractions, 1, 2) @ inverse @ tractions / share[weak, None, None]
         return total
 

@@ -3,7 +3,27 @@
 import os
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache, wraps
 from itertools import islice
+
+from threadpoolctl import ThreadpoolController
+
+
+@cache
+def _Blas():
+    return ThreadpoolController().select(user_api="blas")
+
+
+def Batched(function):
+    """Decorator: run with one BLAS thread.
+
+    In batches of small matrices further ones wait for each other, ten times as long as the work takes on a busy machine.
+    """
+    @wraps(function)
+    def Wrapped(*arguments, **options):
+        with _Blas().limit(limits=1):
+            return function(*arguments, **options)
+    return Wrapped
 
 
 def Map(function, items, *, threads):

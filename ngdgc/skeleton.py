@@ -10,9 +10,9 @@ of the paper since [v]:q = w(v).(q n) for symmetric q.
 
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, LinearForm, Sym, ds, dx, specialcf
 
-from .coefficients import Unfolded
+from .coefficients import LOADBONUS, Unfolded
 from .elasticity import Strain
-from .facets import Threads
+from .facets import Curved, Threads
 
 
 def _OtherStrain(u):
@@ -52,7 +52,9 @@ class Clamped:
 
     def __init__(self, material, mesh, penalty, region, value):
         self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
-        self.region, self.measure = region, ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=material.bonus)
+        self.region, boundary = region, mesh.Boundaries(region)
+        self.measure = ds(skeleton=True, definedon=boundary, bonus_intorder=material.bonus)
+        self.datameasure = ds(skeleton=True, definedon=boundary, bonus_intorder=material.bonus + LOADBONUS)
         self.value = self._Prescribed(value)
 
     def _Prescribed(self, value):
@@ -108,7 +110,7 @@ class SkeletonForm:
     def __init__(self, problem, space, parts, *, theta=1, bound=None):
         self.material, self.space, self.parts, self.theta = problem.material, space, parts, theta
         # NGSolve lowers the degree where derivatives of polynomials are integrated, which they are not on curved elements.
-        self.volume = dx(bonus_intorder=problem.material.bonus + (2 if space.mesh.GetCurveOrder() > 1 else 0))
+        self.volume = dx(bonus_intorder=problem.material.bonus + (2 if Curved(space.mesh) else 0))
         self.bound = max((part.penalty.bound for part in parts), default=0) if bound is None else bound
 
     def Matrix(self):
@@ -146,8 +148,8 @@ class SkeletonForm:
     def Prescribed(self):
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
         v = self.space.TestFunction()
-        return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure
-                                          - self.theta * part.value * part.Mean(v) * part.measure)
+        return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.datameasure
+                                          - self.theta * part.value * part.Mean(v) * part.datameasure)
                 for part in self.parts if part.region is not None}
 
     def Fluxes(self, gfu):

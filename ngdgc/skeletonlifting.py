@@ -59,9 +59,9 @@ class LiftedSkeletonForm(SkeletonForm):
                 if self.lifted:
                     load = load + self.theta * (self._R.T @ (self._inverse @ self._Sum(data)))
                 else:
-                    load = load - self.theta * Coefficients(part.value * part.Mean(v) * part.measure)
+                    load = load - self.theta * Coefficients(part.value * part.Mean(v) * part.datameasure)
                 if self.eta is None:
-                    load = load + Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure)
+                    load = load + Coefficients(part.Penalty(part.value) * part.Jump(v) * part.datameasure)
                 loads[part.region] = load
         return loads
 
@@ -112,7 +112,7 @@ class LiftedSkeletonForm(SkeletonForm):
             for colour, indicator in enumerate(self._indicators):
                 if part.region is not None:
                     form = BilinearForm(trialspace=constants, testspace=self.liftings)
-                    form += -indicator * one * (part.value * part.MeanOf(q)) * part.measure
+                    form += -indicator * one * (part.value * part.MeanOf(q)) * part.datameasure
                     found[part.region, colour] = Csr(form.Assemble().mat) @ np.ones(constants.ndof)
         return found
 
@@ -165,16 +165,16 @@ class LiftedSkeletonForm(SkeletonForm):
         form += InnerProduct(self.material.Stress(Strain(u)), q) * self.volume
         return Csr(form.Assemble().mat)
 
-    def _Mass(self, stress, bonus):
+    def _Mass(self, stress):
         p, q = self.liftings.TnT()
         form = BilinearForm(self.liftings)
-        form += InnerProduct(stress(p), q) * dx(bonus_intorder=bonus)
+        form += InnerProduct(stress(p), q) * dx(bonus_intorder=self.material.bonus)
         return Csr(form.Assemble().mat)
 
     @cached_property
     def _inverse(self):
         """M_Q^-1, block-diagonal over elements."""
-        mass = self._Mass(lambda p: p, 0)
+        mass = self._Mass(lambda p: p)
         blocks = [np.array(self.liftings.GetDofNrs(ElementId(VOL, element))) for element in range(self.space.mesh.ne)]
         inverse = sp.block_diag([np.linalg.inv(mass[dofs][:, dofs].toarray()) for dofs in blocks], format="csr")
         order = np.argsort(np.concatenate(blocks))
@@ -182,4 +182,4 @@ class LiftedSkeletonForm(SkeletonForm):
 
     @cached_property
     def _W(self):
-        return self._inverse @ self._Mass(self.material.Stress, self.material.bonus) @ self._inverse
+        return self._inverse @ self._Mass(self.material.Stress) @ self._inverse

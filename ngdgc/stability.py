@@ -78,7 +78,8 @@ def _Remedy(method, bound):
         # The bound is inversely proportional to the penalty; one per cent more than needed survives the rounding.
         return f"penalty={1.01 * method.penalty * bound:.3g} is safe, and so is penalty='auto'"
     other = "lifting" if method.form == "edge" else "edge"
-    return f"take form={other!r}, or a larger penalty: the stress is not in the lifting space and no bound known for this form"
+    return (f"take form={other!r}, a larger liftorder or a larger penalty: the stress is not in the lifting space and no bound "
+            "known for this form")
 
 
 def CheckCoercivity(method, form, matrix, freedofs):

@@ -97,6 +97,14 @@ def test_added_forms_that_do_not_fit_are_refused():
         disc.Add(3)
     with pytest.raises(ProblemError, match="another space"):
         disc.Add(LinearForm(VectorL2(disc.mesh, order=1)))
+    mixed = BilinearForm(trialspace=disc.space, testspace=VectorL2(disc.mesh, order=2))
+    for wrong in (BilinearForm(disc.space, condense=True), mixed):
+        with pytest.raises(ProblemError, match="no sparse square matrix"):
+            disc.Add(wrong)
+    with pytest.raises(ProblemError, match="not linear in the trial function"):
+        disc.Add(BilinearForm((u * u) * (u * v) * dx))
+    with pytest.raises(ProblemError, match="added form is not finite"):
+        disc.Add(LinearForm(CF((1, 1)) / (0 * x) * v * dx))
     negative = BilinearForm(disc.space)
     negative += -1e5 * u * v * dx
     with pytest.raises(ProblemError, match="with the forms that were added B_h is not coercive"):

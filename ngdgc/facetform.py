@@ -104,19 +104,14 @@ class FacetForm:
 
     def Prescribed(self):
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
-        loads = {}
+        operators, loads = self.operators, {}
         for region, values in self._Data().items():
-            operators = self.operators
             facets = operators.facets.On(region)
             # A global lifting carries the data of a facet to all facets of its element.
             reached = operators.facets.Around(facets) if self.globallift else facets
-            load = self._Tested(self._Penalised(values, facets), reached)
-            for patch in operators.FacetPatches(facets):
-                given = values[operators.TraceDofs(patch.facets)][..., None]
-                tractions = operators.Tractions(patch, self.lifted)
-                np.subtract.at(load, operators.Dofs(patch.elements),
-                               self.theta * (np.swapaxes(tractions, 1, 2) @ given)[..., 0])
-            loads[region] = load
+            penalised = self._Tested(self._Penalised(values, facets), reached, operators.Jumps)
+            tractions = self._Tested(values, facets, lambda patch: operators.Tractions(patch, self.lifted))
+            loads[region] = penalised - self.theta * tractions
         return loads
 
     def _Penalised(self, jump, near):
@@ -136,14 +131,13 @@ class FacetForm:
                     np.add.at(result, own, (np.swapaxes(lifting, 1, 2) @ stress)[..., 0])
         return result
 
-    def _Tested(self, functional, near):
-        """J' M_F^-1 functional, (ndof,), for a functional on F_h that vanishes off the facets `near`."""
+    def _Tested(self, values, near, blocks):
+        """(ndof,) from values in F_h on the facets `near`, times blocks(patch) transposed."""
         operators = self.operators
         result = np.zeros(self.space.ndof)
         for patch in operators.FacetPatches(near):
-            moments = functional[operators.TraceDofs(patch.facets)][..., None]
-            np.add.at(result, operators.Dofs(patch.elements),
-                      (np.swapaxes(operators.Jumps(patch), 1, 2) @ moments)[..., 0])
+            moments = values[operators.TraceDofs(patch.facets)][..., None]
+            np.add.at(result, operators.Dofs(patch.elements), (np.swapaxes(blocks(patch), 1, 2) @ moments)[..., 0])
         return result
 
     def Flux(self, gfu):
@@ -172,11 +166,4 @@ class FacetForm:
         flux, operators = self.Flux(gfu), self.operators
         on = {region: operators.facets.On(region) for region in (*self.problem.dirichlet, *self.problem.roller)}
         on[None] = ~np.any(list(on.values()), axis=0) if on else np.ones(len(operators.share), dtype=bool)
-        tested = {}
-        for region, facets in on.items():
-            tested[region] = np.zeros(self.space.ndof)
-            for patch in operators.FacetPatches(facets):
-                moments = flux[operators.TraceDofs(patch.facets)][..., None]
-                np.add.at(tested[region], operators.Dofs(patch.elements),
-                          (np.swapaxes(operators.JumpBlocks(patch), 1, 2) @ moments)[..., 0])
-        return tested
+        return {region: self._Tested(flux, facets, operators.JumpBlocks) for region, facets in on.items()}

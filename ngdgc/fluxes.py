@@ -43,7 +43,7 @@ def _AddContact(disc, operators, traction, values):
     for foundation, here, _, _ in contact.parts:
         for patch in operators.FacetPatches(disc.facets.On(foundation.boundary), weak=False):
             side, dofs = patch.sides[0], operators.TraceDofs(patch.facets)
-            traces, inverse = operators.TraceValues(side), operators.inversemass(side)
+            traces, inverse = operators.tracevalues(side), operators.inversemass(side)
             for row, facet in enumerate(patch.facets):
                 points = here.start + np.flatnonzero(facets[here] == facet)
                 shapes = contact.trace[(points[:, None] * dim + np.arange(dim)).ravel()]

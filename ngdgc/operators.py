@@ -107,23 +107,21 @@ class FacetOperators(Patches):
         """Tractions of the projection of the stress on Q_h, N M_Q^-1 R."""
         return Sides(self, lambda cells, s: cells.LiftedTraction(s) @ cells.inverseliftmass @ cells.stress)
 
+    def _LiftProducts(self, product):
+        """N product(cells) N' of single sides."""
+        def Product(cells, s):
+            traction = cells.LiftedTraction(s)
+            return traction @ product(cells) @ np.swapaxes(traction, 1, 2)
+
+        return Sides(self, Product)
+
     @cached_property
     def _liftenergies(self):
-        """N M_Q^-1 M_C M_Q^-1 N' of single sides."""
-        def Energy(cells, s):
-            lift = cells.inverseliftmass @ np.swapaxes(cells.LiftedTraction(s), 1, 2)
-            return np.swapaxes(lift, 1, 2) @ cells.weightedliftmass @ lift
-
-        return Sides(self, Energy)
+        return self._LiftProducts(lambda cells: cells.inverseliftmass @ cells.weightedliftmass @ cells.inverseliftmass)
 
     @cached_property
     def _liftsquares(self):
-        """N M_Q^-1 N' of single sides."""
-        def Square(cells, s):
-            traction = cells.LiftedTraction(s)
-            return traction @ cells.inverseliftmass @ np.swapaxes(traction, 1, 2)
-
-        return Sides(self, Square)
+        return self._LiftProducts(lambda cells: cells.inverseliftmass)
 
     @cached_property
     def elasticjumps(self):
@@ -138,9 +136,8 @@ class FacetOperators(Patches):
         """M_F^-1 of single facets, scalar, by side."""
         return Sides(self, lambda cells, s: cells.InverseTraceMass(s))
 
-    def _Joined(self, patch, blocks, factor):
-        """Blocks (n, r, m) of V_h x F_h on a patch, from those of its sides, each multiplied by factor(side) (n,)."""
-        parts = [(blocks(side) * factor(side)[:, None, None]) for side in patch.sides]
+    def _Joined(self, parts):
+        """Blocks (n, r, m) of V_h x F_h on a patch from those of its sides, components first."""
         n, r = parts[0].shape[:2]
         return np.concatenate([part.reshape(n, r, self.dim, -1) for part in parts], axis=3).reshape(n, r, -1)
 
@@ -150,16 +147,13 @@ class FacetOperators(Patches):
         return (inverse[:, None] @ blocks.reshape(n, self.dim, r // self.dim, -1)).reshape(blocks.shape)
 
     @cached_property
-    def _tracevalues(self):
+    def tracevalues(self):
+        """M_F^-1 times the traces: u on one side of the facets as coefficients in F_h."""
         return Sides(self, lambda cells, s: cells.TraceValue(s))
-
-    def TraceValues(self, side):
-        """u on one side of the facets as coefficients in F_h, (n, r, m)."""
-        return self._tracevalues(side)
 
     def SideJump(self, side):
         """The part of M_F^-1 J on one side, (n, r, m)."""
-        return self.TraceValues(side) * side.sign[:, None, None]
+        return self.tracevalues(side) * side.sign[:, None, None]
 
     def SideTraction(self, side, facets, lifted):
         """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, m)."""
@@ -168,16 +162,15 @@ class FacetOperators(Patches):
 
     def JumpBlocks(self, patch):
         """J, (n, r, m)."""
-        return self._Joined(patch, self._traces, lambda side: side.sign)
+        return self._Joined([self._traces(side) * side.sign[:, None, None] for side in patch.sides])
 
     def Jumps(self, patch):
         """M_F^-1 J: the jump as coefficients in F_h, (n, r, m)."""
-        return self._Joined(patch, self._tracevalues, lambda side: side.sign)
+        return self._Joined([self.SideJump(side) for side in patch.sides])
 
     def Tractions(self, patch, lifted):
         """S, or N M_Q^-1 R if `lifted`, (n, r, m)."""
-        share = self.share[patch.facets]
-        return self._Joined(patch, self._projectedtractions if lifted else self._tractions, lambda side: share * side.sign)
+        return self._Joined([self.SideTraction(side, patch.facets, lifted) for side in patch.sides])
 
     def LocalEnergy(self, patch):
         """(C r_e(mu), r_e(nu)), (n, r, r)."""
@@ -202,8 +195,7 @@ class FacetOperators(Patches):
             here = here + lift @ self.SideJump(own)
             if other is not None:
                 beyond.append(lift @ self.SideJump(other))
-        n, c = here.shape[:2]
-        return np.concatenate([part.reshape(n, c, self.dim, -1) for part in (here, *beyond)], axis=3).reshape(n, c, -1)
+        return self._Joined([here, *beyond])
 
     @cached_property
     def contains(self):

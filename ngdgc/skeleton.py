@@ -10,7 +10,7 @@ of the paper since [v]:q = w(v).(q n) for symmetric q.
 
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, LinearForm, Sym, ds, dx, specialcf
 
-from .coefficients import LOADBONUS, Unfolded
+from .coefficients import Unfolded
 from .elasticity import Strain
 from .facets import Curved, Threads
 
@@ -52,9 +52,7 @@ class Clamped:
 
     def __init__(self, material, mesh, penalty, region, value):
         self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
-        self.region, boundary = region, mesh.Boundaries(region)
-        self.measure = ds(skeleton=True, definedon=boundary, bonus_intorder=material.bonus)
-        self.datameasure = ds(skeleton=True, definedon=boundary, bonus_intorder=material.bonus + LOADBONUS)
+        self.region, self.measure = region, ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=material.bonus)
         self.value = self._Prescribed(value)
 
     def _Prescribed(self, value):
@@ -146,10 +144,13 @@ class SkeletonForm:
             form += part.Penalty(part.Jump(u)) * part.Jump(v) * part.measure
 
     def Prescribed(self):
-        """The load of weakly prescribed displacements, {region: (ndof,)}."""
+        """The load of weakly prescribed displacements, {region: (ndof,)}.
+
+        With the quadrature of the form itself, so that polynomial solutions are returned on any mesh.
+        """
         v = self.space.TestFunction()
-        return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.datameasure
-                                          - self.theta * part.value * part.Mean(v) * part.datameasure)
+        return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure
+                                          - self.theta * part.value * part.Mean(v) * part.measure)
                 for part in self.parts if part.region is not None}
 
     def Fluxes(self, gfu):

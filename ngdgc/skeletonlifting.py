@@ -59,9 +59,9 @@ class LiftedSkeletonForm(SkeletonForm):
                 if self.lifted:
                     load = load + self.theta * (self._R.T @ (self._inverse @ self._Sum(data)))
                 else:
-                    load = load - self.theta * Coefficients(part.value * part.Mean(v) * part.datameasure)
+                    load = load - self.theta * Coefficients(part.value * part.Mean(v) * part.measure)
                 if self.eta is None:
-                    load = load + Coefficients(part.Penalty(part.value) * part.Jump(v) * part.datameasure)
+                    load = load + Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure)
                 loads[part.region] = load
         return loads
 
@@ -112,7 +112,7 @@ class LiftedSkeletonForm(SkeletonForm):
             for colour, indicator in enumerate(self._indicators):
                 if part.region is not None:
                     form = BilinearForm(trialspace=constants, testspace=self.liftings)
-                    form += -indicator * one * (part.value * part.MeanOf(q)) * part.datameasure
+                    form += -indicator * one * (part.value * part.MeanOf(q)) * part.measure
                     found[part.region, colour] = Csr(form.Assemble().mat) @ np.ones(constants.ndof)
         return found
 

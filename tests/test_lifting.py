@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from conftest import EIGHT, ROWS, Example, Interpolate
 from netgen.geom2d import SplineGeometry
+from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (CF, L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, LinearForm, MatrixValued,
                      Mesh, VectorL2, ds, dx, specialcf, x, y)
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
@@ -179,6 +180,23 @@ def test_edge_forms_that_lift_too_little_are_refused(mesh, order, row):
         with pytest.raises(ProblemError, match="loses coercivity.* take form='lifting', a larger liftorder"):
             UzawaSolver().Solve(disc)
     assert Spectrum(Discretization(Example(), row(liftorder=1, form="lifting"), mesh, order=order)) > 0
+
+
+def test_two_elements_with_two_facets_in_common():
+    """Their coupling comes from two facets and adds up."""
+    mesh = NetgenMesh()
+    mesh.dim = 2
+    mesh.AddPoints(np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 2, 0], [1, -2, 0]], dtype=float))
+    cells = mesh.AddRegion("body", dim=2)
+    mesh.AddElements(dim=2, index=cells, data=np.array([[0, 1, 2, 3], [0, 4, 2, 1]], dtype=np.int32), base=0)
+    for name, edges in {"right": [[2, 3], [4, 2]], "left": [[3, 0]], "bottom": [[0, 4]]}.items():
+        mesh.AddElements(dim=1, index=mesh.AddRegion(name, dim=1), data=np.array(edges, dtype=np.int32), base=0)
+    mesh = Mesh(mesh)
+    for row in ROWS:
+        facet, skeleton = (Discretization(Supported(mesh), row(), mesh, order=1, assembly=route)
+                           for route in ("facet", "skeleton"))
+        assert not facet.facets.distinct
+        assert Relative(facet, skeleton) < 1e-12
 
 
 def test_one_skewed_quadrilateral():

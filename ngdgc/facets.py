@@ -223,6 +223,19 @@ def VertexFunctions(et, s, t):
     return np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
 
 
+def BoundaryFunction(facets, gfu):
+    """(vertices (n, d), one-sided values of gfu there (n, d)) of every boundary element, two lists."""
+    mesh, corners, values = facets.mesh, [], []
+    points = mesh.ngmesh.Coordinates()
+    for element in mesh.Elements(BND):
+        volume = mesh[ElementId(VOL, BoundaryQuadrature._Neighbour(facets, element.nr))]
+        trafo = mesh.GetTrafo(ElementId(VOL, volume.nr))
+        inside = [REFERENCE_VERTICES[volume.type][list(volume.vertices).index(vertex)] for vertex in element.vertices]
+        corners.append(np.array([points[vertex.nr] for vertex in element.vertices]))
+        values.append(np.array([gfu(trafo(*corner)) for corner in inside]))
+    return corners, values
+
+
 def RigidMotions(dim):
     """CoefficientFunctions of a basis of the rigid motions: translations along the axes, then rotations about the origin.
 

@@ -25,7 +25,8 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["fluxes", "resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
           ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas"],
           ["lemmas"], ["consistency"],
-          ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"], ["plots.__init__"],
+          ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"],
+          ["plots.__init__"],
           ["bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]
 
 

@@ -9,13 +9,16 @@ import pytest
 from matplotlib.colors import to_rgba
 from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry
-from ngsolve import TRIG, VOL, CF, IntegrationRule, Mesh, x
+from ngsolve import BND, TRIG, VOL, CF, IntegrationRule, Mesh, x
 from ngsolve.webgui import Draw
 
-from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, ProblemError, UzawaSolver)
+from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, NormalCompliance, ProblemError, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.export import WriteHTML, WriteVTK
+from ngdgc.facets import BoundaryFunction
+from ngdgc.meshes import BoxMesh
+from ngdgc.output import WriteResults
 from ngdgc.plots import ZONE_COLOURS, ContactFigure, DeformedFigure, HistoryFigure, SettingFigure
 
 ROUNDOFF = 1e-12    # coordinates and displacements are of size 1
@@ -124,7 +127,28 @@ def test_history_figure_shows_every_step(ip):
         assert np.array_equal(residual.get_ydata(), [step.residual for step in ip.history])
 
 
-def test_figures_are_for_the_plane():
+def test_figures_of_a_solid(tmp_path):
+    """The maps show the values at the contact points, the surface every face moved by its displacement."""
+    law = Foundation("bottom", NormalCompliance(100), friction=CoulombFriction(0.4), gap=0.05 * x)
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), law, dirichlet={"top": CF((0.05, 0.02, -0.02))})
+    solution = UzawaSolver(tol=1e-6).Solve(Discretization(problem, LDG(), BoxMesh(2, cells="prism"), order=1))
+    pressure, friction, zones = (axes.collections[0] for axes in ContactFigure(solution).axes[:3])
+    assert np.allclose(pressure.get_offsets(), solution.points[:, :2])
+    assert np.allclose(pressure.get_array(), solution.pressure) and np.ptp(solution.pressure) > 0.1
+    assert np.allclose(friction.get_array(), np.linalg.norm(solution.friction, axis=1))
+    assert np.array_equal(zones.get_array(), solution.zones) and len(np.unique(solution.zones)) > 1
+    arrows = ContactFigure(solution).axes[1].collections[1]
+    assert np.allclose(np.stack([arrows.U, arrows.V], axis=1), solution.friction[:, :2])
+    surface = DeformedFigure(solution, scale=2).axes[0].collections[0]
+    mesh = solution.disc.mesh
+    assert len(surface.get_facecolor()) == mesh.GetNE(BND)
+    corners, moved = BoundaryFunction(solution.disc.facets, solution.gfu)
+    top = [u for face, u in zip(corners, moved) if np.all(face[:, 2] > 1 - 1e-9)]
+    assert len(top) == 8 and np.allclose(np.concatenate(top), (0.05, 0.02, -0.02), atol=0.01)
+    assert {"deformed.png", "contact.png", "history.png"} <= set(WriteResults(solution, tmp_path))
+
+
+def test_setting_is_for_the_plane():
     mesh = Mesh(unit_cube.GenerateMesh(maxh=2))
     problem = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)),
                              dirichlet={"top": CF((0, 0, 0))})

@@ -1,9 +1,10 @@
-"""Figures: of plane problems and solutions (setting, deformed mesh, contact quantities, history), and of studies.
+"""Figures: of problems and solutions (setting, deformed mesh, contact quantities, history), and of studies.
 
 Every function returns a matplotlib Figure and leaves pyplot and its backends alone: DeformedFigure(solution).savefig("u.png").
 """
 
-from .contact import ZONE_COLOURS, ContactFigure
+from .canvas import ZONE_COLOURS
+from .contact import ContactFigure
 from .deformed import DeformedFigure
 from .history import HistoryFigure
 from .setting import SettingFigure

@@ -10,6 +10,7 @@ from .curves import Left, Outline
 # Okabe and Ito's colours, which colour-blind readers tell apart; the foundation is red as in the paper.
 BLUE, ORANGE, VERMILION, GREEN, RED = "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC3311"
 SKY, PURPLE = "#56B4E9", "#CC79A7"
+ZONE_COLOURS = ("#DDDDDD", BLUE, ORANGE)      # separation, stick, slip
 THICKNESS = 0.18    # of a foundation block, relative to the body
 
 

@@ -6,10 +6,10 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..contact import ZONES
-from .canvas import BLUE, GREEN, ORANGE, VERMILION, PlaneAxes
+from .canvas import BLUE, GREEN, VERMILION, ZONE_COLOURS
 from .curves import Curves, Left
+from .solid import ContactMaps
 
-ZONE_COLOURS = ("#DDDDDD", BLUE, ORANGE)
 GAP = 1.1           # pieces of Gamma_C follow each other in a plot at this multiple of their length
 
 
@@ -19,10 +19,11 @@ def ContactFigure(solution, *, slip=False):
     slip : also draw the tangential displacement u_t [length]
 
     s is the arc length along Gamma_C in the direction of the tangent (-n_y, n_x), the body on the left; tangential components
-    are positive in this direction.  Markers are the quadrature points.  Raises ProblemError in 3D.
+    are positive in this direction.  Markers are the quadrature points.  In 3D maps of pressure, friction and zones.
     """
     disc, contact = solution.disc, solution.disc.contact
-    PlaneAxes(disc.mesh)
+    if disc.mesh.dim == 3:
+        return ContactMaps(solution)
     tangent = Left(solution.normals)
     rows = ["p", "t", "u", "r"] if slip else ["p", "t", "r"]
     figure = Figure(figsize=(max(7, 4.5 * len(contact.parts)), 1 + 1.35 * len(rows)), layout="constrained")

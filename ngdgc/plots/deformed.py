@@ -7,6 +7,7 @@ from ..coefficients import ValuesAt
 from ..facets import Coordinates
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness
 from .curves import Curves, ElementOutlines, Left, SplitByElement
+from .solid import DeformedSurface
 
 
 def DeformedFigure(solution, *, scale=1):
@@ -15,9 +16,11 @@ def DeformedFigure(solution, *, scale=1):
     scale : displacement and gap are drawn at `scale` times their values, so that what overlaps is in contact; 1 is real
 
     Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
-    beyond Gamma_C, as far as the body has slid.  Raises ProblemError in 3D.
+    beyond Gamma_C, as far as the body has slid.  In 3D the surface of the body, seen from below, without the foundations.
     """
     disc, contact = solution.disc, solution.disc.contact
+    if disc.mesh.dim == 3:
+        return DeformedSurface(solution, scale)
     figure, axes = PlaneAxes(disc.mesh)
     for foundation, here, _, _ in contact.parts:
         for curve in Curves(disc, foundation.boundary):

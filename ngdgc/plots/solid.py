@@ -1,0 +1,80 @@
+"""Figures of bodies in space: maps of Gamma_C, and the deformed surface."""
+
+import numpy as np
+from matplotlib.colors import ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from mpl_toolkits.mplot3d.art3d import Poly3DCollection
+from ngsolve import BND
+
+from ..contact import ZONES
+from ..facets import BoundaryFunction
+from .canvas import ZONE_COLOURS
+
+
+def ContactMaps(solution):
+    """Pressure, friction and zones at the points of Gamma_C, seen along its mean normal, a row for each foundation."""
+    contact = solution.disc.contact
+    figure = Figure(figsize=(12, 3.9 * len(contact.parts)), layout="constrained")
+    grid = figure.subplots(len(contact.parts), 3, squeeze=False)
+    size = np.linalg.norm(solution.friction, axis=1)
+    for row, (foundation, here, _, _) in zip(grid, contact.parts):
+        frame = _TangentFrame(contact.normals[here].mean(axis=0))
+        s, t = (contact.coordinates[here] @ axis for axis in frame)
+        marks = {"s": max(6, 40000 / len(s)), "linewidths": 0}      # that they nearly touch on a square
+        for axes, values, label in ((row[0], solution.pressure[here], "pressure $p_n$ [stress]"),
+                                    (row[1], size[here], "friction $|\\sigma_t|$ [stress]")):
+            figure.colorbar(axes.scatter(s, t, c=values, cmap="viridis", **marks), ax=axes, label=label)
+        along = solution.friction[here] @ np.array(frame).T
+        few = slice(None, None, max(1, len(s) // 300))
+        if size[here].max() > 1e-12 * (np.abs(solution.traction).max() or 1):
+            row[1].quiver(s[few], t[few], *along[few].T, color="white", edgecolor="black", linewidth=0.5, width=0.006)
+        row[2].scatter(s, t, c=solution.zones[here], cmap=ListedColormap(ZONE_COLOURS), vmin=-0.5, vmax=2.5, **marks)
+        for axes, name in zip(row, ("pressure", "friction on the body", "zones")):
+            axes.set(aspect="equal", xlabel=_Along(frame[0]), ylabel=_Along(frame[1]))
+            axes.set_title(f"{name}, {foundation.boundary!r}", fontsize=10)
+    figure.legend(handles=[Patch(facecolor=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)],
+                  loc="outside lower right", ncols=len(ZONES), frameon=False)
+    return figure
+
+
+def DeformedSurface(solution, scale):
+    """The boundary of the body with each face moved by its own one-sided displacement; Gamma_C in the colours of zones."""
+    disc = solution.disc
+    figure = Figure(figsize=(7, 6), layout="constrained")
+    axes = figure.add_subplot(projection="3d")
+    corners, moved = BoundaryFunction(disc.facets, solution.gfu)
+    faces = [x + scale * u for x, u in zip(corners, moved)]
+    touching = disc.contact.facets
+    zone = {number: ZONE_COLOURS[solution.zones[touching == number].max()] for number in np.unique(touching)}
+    colours = [zone.get(element.nr, "#D9E5F0") for element in disc.mesh.Elements(BND)]
+    axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, edgecolors="#222222", linewidths=0.4, alpha=0.9))
+    points = np.concatenate(faces)
+    middle, reach = (points.max(axis=0) + points.min(axis=0)) / 2, np.ptp(points, axis=0).max() / 2
+    axes.set(**{f"{name}lim": (m - reach, m + reach) for name, m in zip("xyz", middle)},
+             **{f"{name}label": f"{name} [length]" for name in "xyz"})
+    axes.view_init(elev=-25, azim=-60)      # from below, where the foundation is
+    largest = max(np.linalg.norm(u, axis=1).max() for u in moved)
+    state = "" if solution.converged else ", NOT CONVERGED"
+    axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\ndisplacement x {scale:g}, "
+                   f"max |u| = {largest:.3g}{state}", fontsize=10)
+    figure.legend(handles=[Patch(facecolor=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)],
+                  loc="outside lower center", ncols=len(ZONES), frameon=False)
+    return figure
+
+
+def _TangentFrame(normal):
+    """Two orthonormal tangents, the first along the coordinate axis that is most nearly tangential."""
+    normal = normal / np.linalg.norm(normal)
+    first = np.eye(3)[np.abs(normal).argmin()]
+    first = first - (first @ normal) * normal
+    first /= np.linalg.norm(first)
+    second = np.cross(normal, first)
+    return first, second * np.sign(second[np.abs(second).argmax()])
+
+
+def _Along(axis):
+    for name, unit in zip("xyz", np.eye(3)):
+        if np.allclose(axis, unit):
+            return f"{name} [length]"
+    return f"along ({', '.join(f'{c:.2g}' for c in axis)}) [length]"

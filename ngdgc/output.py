@@ -30,8 +30,8 @@ class Progress:
 def WriteResults(solution, folder, *, scale=1.0):
     """Write report, figures, page, VTK and solution into `folder`; the list of names.
 
-    The figure of the setting is for 2D.  `scale` multiplies the displacement in the pictures; with another scale than 1 the
-    deformed body is drawn at that scale too.
+    `scale` multiplies the displacement in the pictures; with another scale than 1 the deformed body is drawn at that scale
+    too.
     """
     from .export import WriteHTML, WriteVTK
     from .plots import ContactFigure, DeformedFigure, HistoryFigure, SettingFigure
@@ -45,9 +45,8 @@ def WriteResults(solution, folder, *, scale=1.0):
     WriteHTML(solution, folder / "solution.html", scale=scale)
     WriteVTK(solution, folder / "solution.vtu")
     written = ["report.txt", "report.json", "solution/", "solution.html", "solution.vtu"]
-    figures = {"deformed": DeformedFigure(solution), "contact": ContactFigure(solution), "history": HistoryFigure(solution)}
-    if solution.disc.mesh.dim == 2:
-        figures["setting"] = SettingFigure(solution.disc)
+    figures = {"setting": SettingFigure(solution.disc), "deformed": DeformedFigure(solution),
+               "contact": ContactFigure(solution), "history": HistoryFigure(solution)}
     if scale != 1:
         figures["deformed-scaled"] = DeformedFigure(solution, scale=scale)
     for name, figure in figures.items():

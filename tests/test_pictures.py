@@ -7,13 +7,12 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgba
-from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry
 from ngsolve import BND, TRIG, VOL, CF, IntegrationRule, Mesh, x
 from ngsolve.webgui import Draw
 
 from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
-                   InteriorPenalty, NormalCompliance, ProblemError, UzawaSolver)
+                   InteriorPenalty, NormalCompliance, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.export import WriteHTML, WriteVTK
 from ngdgc.facets import BoundaryFunction
@@ -145,15 +144,19 @@ def test_figures_of_a_solid(tmp_path):
     corners, moved = BoundaryFunction(solution.disc.facets, solution.gfu)
     top = [u for face, u in zip(corners, moved) if np.all(face[:, 2] > 1 - 1e-9)]
     assert len(top) == 8 and np.allclose(np.concatenate(top), (0.05, 0.02, -0.02), atol=0.01)
-    assert {"deformed.png", "contact.png", "history.png"} <= set(WriteResults(solution, tmp_path))
+    assert {"setting.png", "deformed.png", "contact.png", "history.png"} <= set(WriteResults(solution, tmp_path))
 
 
-def test_setting_is_for_the_plane():
-    mesh = Mesh(unit_cube.GenerateMesh(maxh=2))
+def test_setting_of_a_solid_is_coloured_by_what_acts():
     problem = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)),
-                             dirichlet={"top": CF((0, 0, 0))})
-    with pytest.raises(ProblemError, match="WriteHTML"):
-        SettingFigure(Discretization(problem, Conforming(), mesh))
+                             dirichlet={"top": CF((0, 0, 0))}, traction={"left": CF((1, 0, 0))})
+    mesh = BoxMesh(2, cells="hex")
+    figure = SettingFigure(Discretization(problem, Conforming(), mesh))
+    colours = figure.axes[0].collections[0].get_facecolor()
+    names = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert names == ["dirichlet", "traction", "foundation", "free"]
+    counts = {tuple(row): sum(np.allclose(row[:3], other[:3]) for other in colours) for row in colours}
+    assert sorted(counts.values()) == [4, 4, 4, 12] and len(colours) == mesh.GetNE(BND)
 
 
 def External(page):

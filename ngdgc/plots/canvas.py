@@ -4,7 +4,6 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from ..exceptions import ProblemError
 from .curves import Left, Outline
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; the foundation is red as in the paper.
@@ -14,9 +13,7 @@ ZONE_COLOURS = ("#DDDDDD", BLUE, ORANGE)      # separation, stick, slip
 THICKNESS = 0.18    # of a foundation block, relative to the body
 
 
-def PlaneAxes(mesh):
-    if mesh.dim != 2:
-        raise ProblemError("these figures are for plane problems; in 3D write a page with WriteHTML or a file with WriteVTK")
+def PlaneAxes():
     figure = Figure(figsize=(7, 5), layout="constrained")
     axes = figure.add_subplot(aspect="equal")
     axes.spines[["top", "right"]].set_visible(False)

@@ -21,7 +21,7 @@ def DeformedFigure(solution, *, scale=1):
     disc, contact = solution.disc, solution.disc.contact
     if disc.mesh.dim == 3:
         return DeformedSurface(solution, scale)
-    figure, axes = PlaneAxes(disc.mesh)
+    _, axes = PlaneAxes()
     for foundation, here, _, _ in contact.parts:
         for curve in Curves(disc, foundation.boundary):
             mine = np.isin(contact.facets[here], curve.points["nr"])

@@ -9,6 +9,7 @@ from ..coefficients import ValuesAt, VectorsAt
 from ..facets import Coordinates, VolumePoints
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, PlaneAxes, Thickness
 from .curves import Curves, ElementOutlines, Left, Outline, SplitByElement
+from .solid import SettingSurface
 
 ARROW = 0.12        # length of the longest arrow, relative to the body
 
@@ -17,10 +18,12 @@ def SettingFigure(disc):
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 
     Clamped boundaries are hatched, rollers stand on circles, foundations are red blocks, tractions are arrows of a length
-    proportional to |f_2| that end or begin at the boundary.  Raises ProblemError in 3D.
+    proportional to |f_2| that end or begin at the boundary.  In 3D the surface of the body, coloured by what acts on it.
     """
     problem, mesh = disc.problem, disc.mesh
-    figure, axes = PlaneAxes(mesh)
+    if mesh.dim == 3:
+        return SettingSurface(disc)
+    _, axes = PlaneAxes()
     _DrawMaterials(axes, disc)
     for foundation in problem.foundation:
         for curve in Curves(disc, foundation.boundary):

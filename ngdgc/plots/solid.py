@@ -1,4 +1,4 @@
-"""Figures of bodies in space: maps of Gamma_C, and the deformed surface."""
+"""Figures of bodies in space: maps of Gamma_C, the deformed surface, and the setting."""
 
 import numpy as np
 from matplotlib.colors import ListedColormap
@@ -9,7 +9,7 @@ from ngsolve import BND
 
 from ..contact import ZONES
 from ..facets import BoundaryFunction
-from .canvas import ZONE_COLOURS
+from .canvas import BLUE, GREEN, RED, ZONE_COLOURS
 
 
 def ContactMaps(solution):
@@ -41,25 +41,46 @@ def ContactMaps(solution):
 def DeformedSurface(solution, scale):
     """The boundary of the body with each face moved by its own one-sided displacement; Gamma_C in the colours of zones."""
     disc = solution.disc
-    figure = Figure(figsize=(7, 6), layout="constrained")
-    axes = figure.add_subplot(projection="3d")
     corners, moved = BoundaryFunction(disc.facets, solution.gfu)
     faces = [x + scale * u for x, u in zip(corners, moved)]
     touching = disc.contact.facets
     zone = {number: ZONE_COLOURS[solution.zones[touching == number].max()] for number in np.unique(touching)}
     colours = [zone.get(element.nr, "#D9E5F0") for element in disc.mesh.Elements(BND)]
+    largest = max(np.linalg.norm(u, axis=1).max() for u in moved)
+    state = "" if solution.converged else ", NOT CONVERGED"
+    title = (f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\ndisplacement x {scale:g}, "
+             f"max |u| = {largest:.3g}{state}")
+    return _Surface(faces, colours, title, dict(zip(ZONES, ZONE_COLOURS)))
+
+
+KINDS = {"dirichlet": "#555555", "roller": GREEN, "traction": BLUE, "foundation": RED, "free": "#D9E5F0"}
+
+
+def SettingSurface(disc):
+    """The boundary of the undeformed body in colours of what acts on it."""
+    mesh, points = disc.mesh, disc.mesh.ngmesh.Coordinates()
+    kinds = dict.fromkeys(range(len(mesh.GetBoundaries())), "free")
+    for kind, region in disc.problem.Regions():
+        kinds |= {index: kind for index, found in enumerate(mesh.Boundaries(region).Mask()) if found}
+    elements = list(mesh.Elements(BND))
+    faces = [np.array([points[vertex.nr] for vertex in element.vertices]) for element in elements]
+    present = {kind: colour for kind, colour in KINDS.items() if kind in kinds.values()}
+    return _Surface(faces, [KINDS[kinds[element.index]] for element in elements], "setting", present)
+
+
+def _Surface(faces, colours, title, legend):
+    """Faces (vertices, 3) in space, seen from below, where foundations are."""
+    figure = Figure(figsize=(7, 6), layout="constrained")
+    axes = figure.add_subplot(projection="3d")
     axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, edgecolors="#222222", linewidths=0.4, alpha=0.9))
     points = np.concatenate(faces)
     middle, reach = (points.max(axis=0) + points.min(axis=0)) / 2, np.ptp(points, axis=0).max() / 2
     axes.set(**{f"{name}lim": (m - reach, m + reach) for name, m in zip("xyz", middle)},
              **{f"{name}label": f"{name} [length]" for name in "xyz"})
-    axes.view_init(elev=-25, azim=-60)      # from below, where the foundation is
-    largest = max(np.linalg.norm(u, axis=1).max() for u in moved)
-    state = "" if solution.converged else ", NOT CONVERGED"
-    axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\ndisplacement x {scale:g}, "
-                   f"max |u| = {largest:.3g}{state}", fontsize=10)
-    figure.legend(handles=[Patch(facecolor=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)],
-                  loc="outside lower center", ncols=len(ZONES), frameon=False)
+    axes.view_init(elev=-25, azim=-60)
+    axes.set_title(title, fontsize=10)
+    figure.legend(handles=[Patch(facecolor=colour, label=label) for label, colour in legend.items()],
+                  loc="outside lower center", ncols=len(legend), frameon=False)
     return figure
 
 

@@ -4,7 +4,7 @@ from .discretization import Discretization
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .foundation import (ComplianceLaw, CoulombFriction, Foundation, FrictionLaw, NormalCompliance, PowerFriction,
-                         TrescaFriction)
+                         SlipWeakeningFriction, TrescaFriction)
 from .lifting import Lifting
 from .methods import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInteriorPenalty, InteriorPenalty,
                       NonsymmetricInteriorPenalty)
@@ -19,4 +19,4 @@ __all__ = ["LDG", "AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "ComplianceL
            "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction", "Foundation",
            "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "Lifting",
            "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction", "ProblemError",
-           "SolveInterrupted", "TrescaFriction", "UzawaSolver"]
+           "SlipWeakeningFriction", "SolveInterrupted", "TrescaFriction", "UzawaSolver"]

@@ -11,10 +11,7 @@ from ngsolve import VOL, ElementId
 from .coefficients import ValuesAt
 from .exceptions import ProblemError
 from .facets import BoundaryQuadrature
-from .foundation import CheckCompliance, CheckFriction, LawAt
-
-SEPARATION, STICK, SLIP = 0, 1, 2
-ZONES = ("separation", "stick", "slip")
+from .foundation import CheckCompliance, CheckFriction, LawAt, SlipFactor
 
 
 def Scale(vectors):
@@ -85,11 +82,17 @@ class ContactBoundary:
         """p_n'(r), (n,) [stress/length]."""
         return self._Laws(lambda here, compliance, friction: compliance.PressureDerivative(r[here]))
 
-    def Bound(self, r):
-        """p_t, (n,) [stress]; zero where there is no friction law."""
+    def Bound(self, r, slip):
+        """p_t from penetration and slip |u_t|, (n,) [stress]; zero where there is no friction law."""
         def OfPart(here, compliance, friction):
-            return 0 if friction is None else friction.Bound(r[here], compliance.Pressure(r[here]))
+            if friction is None:
+                return 0
+            return friction.Bound(r[here], compliance.Pressure(r[here])) * SlipFactor(friction, slip[here])[0]
         return self._Laws(OfPart)
+
+    def Slip(self, displacement):
+        """|u_t|, (n,) [length]."""
+        return np.linalg.norm(self.Tangential(displacement), axis=1)
 
     def _Laws(self, evaluate):
         values = np.empty(len(self.weights))
@@ -103,19 +106,6 @@ class ContactBoundary:
     def Load(self, traction):
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""
         return self.trace.T @ (self.weights[:, None] * traction).ravel()
-
-    def Zones(self, displacement, traction):
-        """SEPARATION, STICK or SLIP at every point from displacement and traction (n, d), (n,).
-
-        A point in contact is assigned to the branch of the friction graph that it is closer to: stick, |u_t| = 0, in units of
-        max |u|, or slip, |sigma_t| = p_t, in units of max p_t.  Iterates lie on the graph only to their tolerance, so
-        |sigma_t| < p_t alone would not tell.  Contact without friction slips.
-        """
-        r = self.Penetration(displacement)
-        bound = self.Bound(r)
-        creep = np.linalg.norm(self.Tangential(displacement), axis=1) / Scale(displacement)
-        reserve = (bound - np.linalg.norm(self.Tangential(traction), axis=1)) / (bound.max(initial=0) or 1)
-        return np.where(r <= 0, SEPARATION, np.where(reserve <= creep, SLIP, STICK))
 
 
 def TraceMatrix(space, scalar, points):

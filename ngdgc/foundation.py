@@ -49,10 +49,33 @@ class ComplianceLaw:
 
 
 class FrictionLaw:
-    """Friction bound |sigma_t| <= p_t; `Bound(r, p)` from penetration [length] and pressure [stress], (npoints,)."""
+    """Friction bound |sigma_t| <= p_t = Bound(r, p) Coefficient(s), r the penetration, p the pressure, s = |u_t| the slip.
+
+    `Bound` [stress] maps arrays (npoints,) to an array (npoints,).  Two more methods may be given:
+    `BoundDerivatives(r, p)`, the pair of its derivatives by r and p (finite differences otherwise), and `Coefficient(s)`, the
+    pair of a factor >= 0 [1] and its derivative [1/length], which is (1, 0) otherwise.
+    """
 
     def Bound(self, r, p):
         raise NotImplementedError
+
+
+def BoundDerivatives(law, r, p):
+    """(d Bound/dr, d Bound/dp) of a friction law at points, two arrays (npoints,)."""
+    if hasattr(law, "BoundDerivatives"):
+        return tuple(np.broadcast_to(derivative, np.shape(r)) for derivative in law.BoundDerivatives(r, p))
+    bound, derivatives = law.Bound(r, p), []
+    for values, shifted in ((r, lambda h: law.Bound(r + h, p)), (p, lambda h: law.Bound(r, p + h))):
+        h = 1e-7 * np.maximum(np.abs(values), 1e-8 * (np.abs(values).max(initial=0) or 1))
+        derivatives.append((shifted(h) - bound) / h)
+    return tuple(derivatives)
+
+
+def SlipFactor(law, slip):
+    """(Coefficient, its derivative) of a friction law at slips s >= 0, two arrays (npoints,)."""
+    if not hasattr(law, "Coefficient"):
+        return np.ones_like(slip), np.zeros_like(slip)
+    return tuple(np.broadcast_to(value, np.shape(slip)) for value in law.Coefficient(slip))
 
 
 @dataclass(frozen=True)
@@ -107,6 +130,49 @@ class CoulombFriction(FrictionLaw):
     def Bound(self, r, p):
         return self.coefficient * p
 
+    def BoundDerivatives(self, r, p):
+        return np.zeros_like(r), self.coefficient * np.ones_like(r)
+
+
+@dataclass(frozen=True)
+class SlipWeakeningFriction(FrictionLaw):
+    """p_t = mu(|u_t|) p_n with mu(s) = dynamic + (static - dynamic) exp(-s/distance).
+
+    `static`, `dynamic` >= 0 [1] and `distance` > 0 [length] are numbers or CoefficientFunctions.  Weakening (static > dynamic)
+    can make several solutions possible; dynamic > static strengthens.
+
+    >>> law = SlipWeakeningFriction(static=0.5, dynamic=0.3, distance=0.01)
+    >>> law.Coefficient(np.array([0.0, 1.0]))[0]
+    array([0.5, 0.3])
+    """
+
+    static: Any
+    dynamic: Any
+    distance: Any
+
+    def __post_init__(self):
+        for name in ("static", "dynamic", "distance"):
+            if not isinstance(getattr(self, name), np.ndarray):
+                object.__setattr__(self, name, Scalar(getattr(self, name), name))
+        CheckNumber(self.static, "static", least=0)
+        CheckNumber(self.dynamic, "dynamic", least=0)
+        CheckNumber(self.distance, "distance", above=0)
+
+    def CheckData(self, name=""):
+        CheckRange(self.static, f"{name}static", least=0)
+        CheckRange(self.dynamic, f"{name}dynamic", least=0)
+        CheckRange(self.distance, f"{name}distance", above=0)
+
+    def Bound(self, r, p):
+        return 1.0 * p
+
+    def BoundDerivatives(self, r, p):
+        return np.zeros_like(r), np.ones_like(r)
+
+    def Coefficient(self, slip):
+        fading = (self.static - self.dynamic) * np.exp(-slip / self.distance)
+        return self.dynamic + fading, -fading / self.distance
+
 
 @dataclass(frozen=True)
 class PowerFriction(FrictionLaw):
@@ -130,6 +196,9 @@ class PowerFriction(FrictionLaw):
     def Bound(self, r, p):
         return self.stiffness * np.maximum(r, 0) ** self.exponent
 
+    def BoundDerivatives(self, r, p):
+        return NormalCompliance.PressureDerivative(self, r), np.zeros_like(r)
+
 
 @dataclass(frozen=True)
 class TrescaFriction(FrictionLaw):
@@ -151,6 +220,9 @@ class TrescaFriction(FrictionLaw):
 
     def Bound(self, r, p):
         return np.broadcast_to(np.asarray(self.bound, dtype=float), np.shape(r)).copy()
+
+    def BoundDerivatives(self, r, p):
+        return np.zeros_like(r), np.zeros_like(r)
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,11 @@ import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
 from . import methods, storage
-from .contact import ZONES
 from .discretization import Discretization
 from .elasticity import Strain
 from .exceptions import ProblemError
 from .fluxes import Flux
+from .graph import ZONES, Distance
 from .report import Report, Summary
 from .resultants import ElementImbalance, GlobalImbalance, Resultants
 
@@ -116,12 +116,12 @@ class ContactSolution:
     @property
     def bound(self):
         """p_t, (n,) [stress]."""
-        return self.disc.contact.Bound(self.penetration)
+        return self.disc.contact.Bound(self.penetration, self.disc.contact.Slip(self.displacement))
 
     @property
     def zones(self):
-        """0 separation, 1 stick, 2 slip at the contact points, (n,); names in `ngdgc.contact.ZONES`."""
-        return self.disc.contact.Zones(self.displacement, self.traction)
+        """0 separation, 1 stick, 2 slip at the contact points, (n,); names in `ngdgc.graph.ZONES`."""
+        return Distance(self.disc.contact, self.displacement, self.traction).zones
 
     def ZoneLengths(self):
         """Length (2D) or area (3D) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""

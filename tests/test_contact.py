@@ -11,7 +11,7 @@ from test_forms import Ring
 
 from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, TrescaFriction, UzawaSolver)
-from ngdgc.contact import SEPARATION, SLIP, STICK
+from ngdgc.graph import SEPARATION, SLIP, STICK, Distance
 from ngdgc.facets import BoundaryQuadrature, Coordinates, Facets
 from ngdgc.meshes import RectangleMesh
 
@@ -84,7 +84,7 @@ def test_zones_follow_their_definition():
     u = np.array([[0.1, 0.04], [1e-9, -0.2], [0.1, -0.2]])
     # The slipping point misses its bound by the tolerance of an iteration, the sticking one creeps by it.
     traction = np.array([[0.5, 0], [0.5, -3], [2.0 * (1 - 1e-7), -3]])
-    assert contact.Zones(u, traction).tolist() == [SEPARATION, STICK, SLIP]
+    assert Distance(contact, u, traction).zones.tolist() == [SEPARATION, STICK, SLIP]
 
 
 def test_several_foundations_with_data_that_vary(method):

@@ -21,7 +21,7 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["elasticity", "foundation"],
           ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
-          ["methods"], ["discretization"],
+          ["methods"], ["discretization"], ["graph"],
           ["fluxes", "resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
           ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas"],
           ["lemmas"], ["consistency"],

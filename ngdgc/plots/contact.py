@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..contact import ZONES
+from ..graph import ZONES
 from .canvas import BLUE, GREEN, VERMILION, ZONE_COLOURS
 from .curves import Curves, Left
 from .solid import ContactMaps

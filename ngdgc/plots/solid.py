@@ -7,7 +7,7 @@ from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from ngsolve import BND
 
-from ..contact import ZONES
+from ..graph import ZONES
 from ..facets import BoundaryFunction
 from .canvas import BLUE, GREEN, RED, ZONE_COLOURS
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..contact import Scale
 from ..exceptions import NotConvergedError, SolveInterrupted
+from ..graph import Distance
 from ..solution import ContactSolution, Step
 
 WINDOW = 10         # iterations over which progress is judged
@@ -25,22 +26,8 @@ class Iterate:
 
 
 def LawResidual(contact, iterate):
-    """Distance of displacement and traction to the graph of the contact law, the largest over all points, no unit.
-
-    Normal part |t_n - p_n(r)| / (t_s + p_n'(r) u_s), the distance to the tangent of the graph in the scales u_s = max |u| and
-    t_s = max |t|: it means the same for soft and stiff foundations.  Friction part: the smaller of |u_t|/u_s (stick) and
-    |t_t - p_t u_t/|u_t|| / max p_t (slip).
-    """
-    u, t = iterate.displacement, iterate.traction
-    uscale, tscale = Scale(u), Scale(t)
-    r = contact.Penetration(u)
-    normal = np.abs(contact.Normal(t) - contact.Pressure(r)) / (tscale + contact.PressureDerivative(r) * uscale)
-    bound = contact.Bound(r)
-    slip, friction = contact.Tangential(u), contact.Tangential(t)
-    length = np.linalg.norm(slip, axis=1)
-    direction = slip / np.where(length > 0, length, 1)[:, None]
-    sliding = np.linalg.norm(friction - bound[:, None] * direction, axis=1) / (bound.max(initial=0) or 1)
-    return float(max(normal.max(initial=0), np.minimum(length / uscale, sliding).max(initial=0)))
+    """Distance of displacement and traction to the graph of the contact law (`graph.Distance`), the largest over all points."""
+    return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
 def Drive(solver, disc, iterates, callback, Diagnose):

@@ -86,12 +86,12 @@ class _Run:
         u = contact.Displacement(free)
         yield Iterate(free, np.zeros_like(u), u)
         if self.solver.rho == "auto":
-            self.step = self._AutomaticStep(contact.Penetration(u))
+            self.step = self._AutomaticStep(contact.Penetration(u), contact.Slip(u))
         multiplier = np.zeros_like(u)
         while True:
-            r = contact.Penetration(u)
-            self.recent = self.recent[-1:] + [r]
-            bound = contact.Bound(r)
+            r, slip = contact.Penetration(u), contact.Slip(u)
+            self.recent = self.recent[-1:] + [(r, slip)]
+            bound = contact.Bound(r, slip)
             multiplier = _OntoUnitBall(multiplier + (self._Rho(bound) * bound)[:, None] * contact.Tangential(u))
             traction = contact.Pressure(r)[:, None] * contact.normals + bound[:, None] * multiplier
             vector = free - self.disc.Response(traction)
@@ -104,20 +104,20 @@ class _Run:
             return np.full(len(bound), self.solver.rho)
         return np.where(bound > 0, self.step / np.where(bound > 0, bound, 1) ** 2, 0)
 
-    def _AutomaticStep(self, r):
-        unit = EstimateContraction(self.disc, r, step=np.where(self.contact.Bound(r) > 0, 1.0, 0.0))
+    def _AutomaticStep(self, r, slip):
+        unit = EstimateContraction(self.disc, r, step=np.where(self.contact.Bound(r, slip) > 0, 1.0, 0.0))
         return 0.9 * max(1 - unit.normal, 0.1) / unit.friction if unit.friction else 1.0
 
-    def _Contraction(self, r):
-        bound = self.contact.Bound(r)
+    def _Contraction(self, r, slip):
+        bound = self.contact.Bound(r, slip)
         return EstimateContraction(self.disc, r, step=self._Rho(bound) * bound ** 2)
 
     def Diagnose(self, reason):
         """Cause and remedy of a failure, and the contraction numbers at the last iterates."""
         # A cycle visits zones that are never active together; the zone of one iterate tells more than their union.
-        number = max(map(self._Contraction, self.recent), key=lambda found: found.normal)
+        number = max((self._Contraction(*state) for state in self.recent), key=lambda found: found.normal)
         if number.normal < 1 and reason == "cycle":
-            number = self._Contraction(np.max(self.recent, axis=0))
+            number = self._Contraction(*np.max(self.recent, axis=0))
         numbers = f"normal {number.normal:.3g}, friction {number.friction:.3g}, together they must be below 1"
         rho = f"rho={self.solver.rho!r}"
         if reason == "roundoff":

@@ -1,0 +1,181 @@
+"""The contact law as a graph: displacement and traction at a point of Gamma_C as functions of one vector.
+
+With a scale gamma > 0 [stress/length] every q in R^d belongs to exactly one pair (u, t) that obeys the law (2.7)-(2.9) and
+
+    t + gamma u = q,                                                                                        (*)
+
+as long as p_n' and the slope of the friction bound in the slip stay above -gamma: Minty's parametrisation of a monotone graph.
+Functions of q are piecewise smooth and Lipschitz however stiff the law is, also where t is no function of u (stick, u_t = 0)
+and where it nearly is none (p_n' -> infinity).  With u = U(q), t = t(q):
+
+    normal    p = p_n(r), r = u_n - g:    p + gamma r = q_n - gamma g, one scalar equation; p = 0 if that is <= 0
+    stick     |q_t| <= p_t(r, p, 0):      t_t = q_t, u_t = 0
+    slip      otherwise:                  |u_t| = s from p_t(r, p, s) + gamma s = |q_t|, t_t = p_t q_t/|q_t|
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .contact import Scale
+from .exceptions import ProblemError
+from .foundation import BoundDerivatives, SlipFactor
+
+SEPARATION, STICK, SLIP = 0, 1, 2
+ZONES = ("separation", "stick", "slip")
+STEPS = 200     # of the safeguarded iteration for one scalar equation; bisection alone needs 60
+
+
+@dataclass(frozen=True)
+class GraphPoint:
+    """Points on the graph of the law: q, displacement u and traction t (n, d), derivative dt/dq (n, d, d), zones (n,)."""
+
+    q: np.ndarray
+    displacement: np.ndarray
+    traction: np.ndarray
+    derivative: np.ndarray
+    zones: np.ndarray
+
+
+class ContactGraph:
+    """The laws of a ContactBoundary, parametrised with the scale gamma, a number or (n,) [stress/length]."""
+
+    def __init__(self, contact, scale):
+        self.contact = contact
+        self.scale = np.broadcast_to(np.asarray(scale, dtype=float), contact.weights.shape)
+
+    def Coordinates(self, displacement, traction):
+        """q = t + gamma u, (n, d) [stress]."""
+        return traction + self.scale[:, None] * displacement
+
+    def At(self, q):
+        """The GraphPoint of q (n, d); raises ProblemError if a law returns a value that is not finite."""
+        contact, scale, normals = self.contact, self.scale, self.contact.normals
+        qn = contact.Normal(q)
+        qt = q - qn[:, None] * normals
+        r, p, dr = (np.empty(len(scale)) for _ in range(3))
+        bound, dbound, slip, dslip, cross = (np.zeros(len(scale)) for _ in range(5))
+        length = np.linalg.norm(qt, axis=1)
+        for _, here, compliance, friction in contact.parts:
+            gamma = scale[here]
+            r[here], p[here], dr[here] = NormalPart(compliance, gamma, qn[here] - gamma * contact.gap[here])
+            if friction is None:
+                slip[here], dslip[here] = length[here] / gamma, 1 / gamma
+                continue
+            base = np.asarray(friction.Bound(r[here], p[here]))
+            byr, byp = BoundDerivatives(friction, r[here], p[here])
+            slip[here], factor, slope = SlipPart(friction, gamma, base, length[here])
+            bound[here] = base * factor
+            # Derivative of the base by q_n, dp/dq_n being 1 - gamma dr/dq_n.
+            dbound[here] = (byr * dr[here] + byp * (1 - gamma * dr[here])) * factor
+            dslip[here] = 1 / (gamma + slope)
+            cross[here] = dbound[here] * dslip[here]
+        sliding = length >= bound
+        direction = qt / np.where(length > 0, length, 1)[:, None]
+        friction = np.where(sliding, bound, length)
+        traction = p[:, None] * normals + friction[:, None] * direction
+        displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
+        if not (np.all(np.isfinite(traction)) and np.all(np.isfinite(displacement))):
+            raise ProblemError("a contact law returned a value that is not finite; "
+                               "look at its exponent and its data for the penetrations that occur")
+        zones = np.where(p <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
+        # dt_t/dq = (|t_t|/|q_t|)(P - e e') + (1 - gamma ds/d|q_t|) e e' + gamma ds/d(bound) dbound/dq_n e n', P = I - n n'.
+        ratio = np.where(sliding, bound / np.where(length > 0, length, 1), 1)
+        along = np.where(sliding, 1 - scale * dslip, 1)
+        normal, tangent = _Outer(normals, normals), _Outer(direction, direction)
+        derivative = ((1 - scale * dr)[:, None, None] * normal
+                      + ratio[:, None, None] * (np.eye(contact.dim) - normal - tangent) + along[:, None, None] * tangent
+                      + np.where(sliding, scale * cross, 0)[:, None, None] * _Outer(direction, normals))
+        # Without a direction the tangential derivative is that of stick or, where nothing resists, of a frictionless point.
+        still = (length == 0) & ~sliding
+        derivative[still] = ((1 - scale * dr)[:, None, None] * normal + np.eye(contact.dim) - normal)[still]
+        return GraphPoint(q, displacement, traction, derivative, zones)
+
+
+@dataclass(frozen=True)
+class GraphDistance:
+    """Distance of pairs (u, t) to the graph, (n,), no unit, and the zones of the points of the graph they belong to, (n,)."""
+
+    distance: np.ndarray
+    zones: np.ndarray
+
+
+def Distance(contact, displacement, traction):
+    """How far displacement and traction (n, d) at the contact points are from the law; the same for soft and stiff foundations.
+
+    Along (*) with gamma = t_s/u_s both coordinates of the graph are reached at once, and what is left, |u - U(q)|/u_s =
+    |t - t(q)|/t_s, is at most twice min(|t - p(u)|/t_s, |u - p^-1(t)|/u_s) for a monotone law, and at least half of it.  The
+    scales are u_s = max |u|, t_s = max |t| for the normal part, and max p_t for friction.
+    """
+    uscale = Scale(displacement)
+    r, t = contact.Penetration(displacement), contact.Normal(traction)
+    slip, friction = contact.Tangential(displacement), contact.Tangential(traction)
+    gamma = np.full(len(r), Scale(traction) / uscale)
+    depth, pressure, bound = (np.zeros(len(r)) for _ in range(3))
+    for _, here, compliance, law in contact.parts:
+        depth[here], pressure[here], _ = NormalPart(compliance, gamma[here], t[here] + gamma[here] * r[here])
+        if law is not None:
+            bound[here] = law.Bound(depth[here], pressure[here])
+    distance = np.abs(r - depth) / uscale
+    gamma = np.full(len(r), (bound.max(initial=0) or Scale(traction)) / uscale)
+    q = friction + gamma[:, None] * slip
+    length = np.linalg.norm(q, axis=1)
+    creep, limit = length / gamma, np.zeros(len(r))
+    for _, here, _, law in contact.parts:
+        if law is not None:
+            creep[here], factor, _ = SlipPart(law, gamma[here], bound[here], length[here])
+            limit[here] = bound[here] * factor
+    sliding = length >= limit
+    expected = np.where(sliding, creep, 0)[:, None] * q / np.where(length > 0, length, 1)[:, None]
+    distance = np.maximum(distance, np.linalg.norm(slip - expected, axis=1) / uscale)
+    return GraphDistance(distance, np.where(pressure <= 0, SEPARATION, np.where(sliding, SLIP, STICK)))
+
+
+def _Outer(a, b):
+    return a[:, :, None] * b[:, None, :]
+
+
+def NormalPart(law, gamma, q):
+    """(r, p, dr/dq) with p = p_n(r) and p + gamma r = q, arrays (n,)."""
+    r = Resolvent(law.Pressure, law.PressureDerivative, gamma, q)
+    with np.errstate(all="ignore"):
+        slope = np.where(r > 0, law.PressureDerivative(np.where(r > 0, r, 0)), 0)
+        # Where the law is stiff p_n(r) would multiply the round-off of r by p_n'.
+        p = np.where(r > 0, np.where(slope < gamma, law.Pressure(r), q - gamma * r), 0)
+        return r, p, 1 / (gamma + slope)
+
+
+def SlipPart(law, gamma, base, length):
+    """(s, factor, d(base factor)/ds) with base factor(s) + gamma s = length where length > base factor(0), else s = 0."""
+    def Value(s):
+        return base * SlipFactor(law, s)[0]
+
+    def Slope(s):
+        return base * SlipFactor(law, s)[1]
+
+    slip = Resolvent(Value, Slope, gamma, length)
+    factor, slope = SlipFactor(law, slip)
+    return slip, factor, base * slope
+
+
+def Resolvent(Value, Derivative, gamma, q):
+    """x >= 0 with Value(x) + gamma x = q where q > Value(0), by Newton's iteration inside a bracket; else min(q, 0)/gamma.
+
+    Arguments and results are arrays (n,); Value >= 0.
+    """
+    start = np.zeros_like(q)
+    with np.errstate(all="ignore"):
+        free = q > Value(start)
+        low, high = start, np.maximum(q, 0) / gamma
+        x = high.copy()
+        for _ in range(STEPS):
+            excess = Value(x) + gamma * x - q
+            low, high = np.where(excess <= 0, x, low), np.where(excess > 0, x, high)
+            new = x - excess / (gamma + Derivative(x))
+            new = np.where((new > low) & (new < high), new, 0.5 * (low + high))
+            # A Newton step that leaves the bracket by round-off has converged.
+            done = (np.abs(excess) <= 4e-16 * q) | (high - low <= 4e-16 * high) | ~free
+            if np.all(done):
+                break
+            x = np.where(done, x, new)
+    return np.where(free, x, np.minimum(q, 0) / gamma)

@@ -6,6 +6,7 @@ body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem read
 
 import numpy as np
 import scipy.sparse as sp
+import scipy.sparse.linalg as spla
 from ngsolve import VOL, ElementId
 
 from .coefficients import ValuesAt
@@ -26,18 +27,20 @@ class ContactBoundary:
     ----------
     coordinates, normals : (n, d);  weights, gap : (n,) [length^(d-1)], [length]
     trace : sparse (n d, ndof), row p d + i gives component i of u_h at point p
+    flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of (foundation, slice of its points, compliance law, friction law), the laws with their data at the points
 
-    The rule is exact for degree 2 order + 1; on a segment these are the order + 1 Gauss points.
+    degree : of the polynomials that the quadrature rule integrates exactly
     """
 
-    def __init__(self, problem, facets, space, scalar, order):
-        pieces = [BoundaryQuadrature.On(facets, foundation.boundary, 2 * order + 1) for foundation in problem.foundation]
+    def __init__(self, problem, facets, space, scalar, degree):
+        pieces = [BoundaryQuadrature.On(facets, foundation.boundary, degree) for foundation in problem.foundation]
         self.coordinates, self.normals, self.weights, self.facets = (
             np.concatenate([getattr(piece, name) for piece in pieces])
             for name in ("coordinates", "normals", "weights", "facets"))
         self.inside = np.concatenate([piece.inside for piece in pieces])
         self.trace = TraceMatrix(space, scalar, self.inside)
+        self.flexibility = np.ptp(self.coordinates, axis=0).max() / problem.material.ShearAt(self.inside).min()
         self.gap = np.empty(len(self.weights))
         self.parts = []
         start = 0
@@ -102,6 +105,17 @@ class ContactBoundary:
             raise ProblemError("a contact law returned a value that is not finite; "
                                "look at its exponent and its data for the penetrations that occur")
         return values
+
+    def TraceProjection(self, traction):
+        """The part of a traction (n, d) that the body feels: its projection on the traces of V_h in L2(Gamma_C), (n, d).
+
+        Where the points outnumber the traces (H1, triangles and higher orders in 3D) the rest is not determined by equilibrium.
+        """
+        root = np.repeat(np.sqrt(self.weights), self.dim)
+        used = np.flatnonzero(np.diff(self.trace.tocsc().indptr))
+        traces = sp.diags(root) @ self.trace[:, used]
+        coefficients = spla.lsmr(traces, root * traction.ravel(), atol=1e-14, btol=1e-14, conlim=0, maxiter=10 * len(used))[0]
+        return (self.trace[:, used] @ coefficients).reshape(-1, self.dim)
 
     def Load(self, traction):
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""

@@ -51,7 +51,9 @@ class Discretization:
         CheckProblem(problem, mesh, self.facets)
         self.unresisted = UnresistedMotion(problem, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
-        self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), self.order)
+        # With more points than traces u_t = 0 at the points of a sticking facet would over-determine u, and t not be unique.
+        degree = 2 * self.order if method.discontinuous else 2 * self.order - 2
+        self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), degree)
         self.solves, self.addedmatrices, self.addedloads = 0, [], []
 
     def __repr__(self):
@@ -182,14 +184,19 @@ class Discretization:
 
     @cached_property
     def inverse(self):
+        """A^-1 on the free dofs; ProblemError for a body that only its foundation holds, whose A is singular."""
         if self.unresisted:
-            raise ProblemError(f"the body is held by its foundation alone: only contact resists {self.unresisted}.  That is a "
-                               "legitimate problem, but the elastic matrix is singular and this iteration has no first "
-                               "step; until the contact stiffness is part of the matrix, add dirichlet or roller")
+            raise ProblemError(f"the body is held by its foundation alone: only contact resists {self.unresisted}.  The "
+                               "elastic matrix is singular and this iteration has no first step; take Solve(disc) or "
+                               "SemismoothNewtonSolver(), which put contact stiffness into it, or add dirichlet or roller")
+        return self.Factorise(self.matrix)
+
+    def Factorise(self, matrix):
+        """The inverse of a matrix on the free dofs, by NGSolve; symmetric if A is."""
         with Threads(self.mesh):
             # A Cholesky factorisation of an unsymmetric matrix would be wrong without a word.
             kind = "sparsecholesky" if self.symmetric else "umfpack"
-            return self.matrix.Inverse(self.space.FreeDofs(), inverse=kind)
+            return matrix.Inverse(self.space.FreeDofs(), inverse=kind)
 
     def Multiply(self, vector):
         """A u, (ndof,) -> (ndof,)."""
@@ -201,9 +208,12 @@ class Discretization:
 
     def Solve(self, load):
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""
+        return self.ApplyInverse(self.inverse, load)
+
+    def ApplyInverse(self, inverse, load):
+        """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`."""
         source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
         source.FV().NumPy()[:] = load
-        inverse = self.inverse
         with Threads(self.mesh):
             target.data = inverse * source
         self.solves += 1

@@ -17,7 +17,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .contact import Scale
 from .exceptions import ProblemError
 from .foundation import BoundDerivatives, SlipFactor
 
@@ -100,24 +99,34 @@ class GraphDistance:
     zones: np.ndarray
 
 
+def Scales(contact, displacement, traction):
+    """(u_s, t_s): t_s = max |t|, and u_s = max |u| or, if that is more, what t_s would do to the body, t_s L/mu.
+
+    On a stiff foundation with friction u alone tends to zero on all of Gamma_C and would be no scale.
+    """
+    tscale = np.linalg.norm(traction, axis=1).max(initial=0)
+    uscale = max(np.linalg.norm(displacement, axis=1).max(initial=0), tscale * contact.flexibility)
+    return uscale or 1.0, tscale or 1.0
+
+
 def Distance(contact, displacement, traction):
     """How far displacement and traction (n, d) at the contact points are from the law; the same for soft and stiff foundations.
 
     Along (*) with gamma = t_s/u_s both coordinates of the graph are reached at once, and what is left, |u - U(q)|/u_s =
     |t - t(q)|/t_s, is at most twice min(|t - p(u)|/t_s, |u - p^-1(t)|/u_s) for a monotone law, and at least half of it.  The
-    scales are u_s = max |u|, t_s = max |t| for the normal part, and max p_t for friction.
+    scales are those of `Scales`; for friction t_s is max p_t.
     """
-    uscale = Scale(displacement)
+    uscale, tscale = Scales(contact, displacement, traction)
     r, t = contact.Penetration(displacement), contact.Normal(traction)
     slip, friction = contact.Tangential(displacement), contact.Tangential(traction)
-    gamma = np.full(len(r), Scale(traction) / uscale)
+    gamma = np.full(len(r), tscale / uscale)
     depth, pressure, bound = (np.zeros(len(r)) for _ in range(3))
     for _, here, compliance, law in contact.parts:
         depth[here], pressure[here], _ = NormalPart(compliance, gamma[here], t[here] + gamma[here] * r[here])
         if law is not None:
             bound[here] = law.Bound(depth[here], pressure[here])
     distance = np.abs(r - depth) / uscale
-    gamma = np.full(len(r), (bound.max(initial=0) or Scale(traction)) / uscale)
+    gamma = np.full(len(r), (bound.max(initial=0) or tscale) / uscale)
     q = friction + gamma[:, None] * slip
     length = np.linalg.norm(q, axis=1)
     creep, limit = length / gamma, np.zeros(len(r))

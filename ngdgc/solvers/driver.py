@@ -7,7 +7,7 @@ import numpy as np
 
 from ..contact import Scale
 from ..exceptions import NotConvergedError, SolveInterrupted
-from ..graph import Distance
+from ..graph import Distance, Scales
 from ..solution import ContactSolution, Step
 
 WINDOW = 10         # iterations over which progress is judged
@@ -30,13 +30,14 @@ def LawResidual(contact, iterate):
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
-def Drive(solver, disc, iterates, callback, Diagnose):
+def Drive(solver, disc, iterates, callback, Diagnose, *, fixedpoint=True):
     """Run an iteration to its tolerance and return the ContactSolution.
 
-    `iterates` yields `Iterate`s, the first without contact.  Converged is change <= tol and residual <= tol.
-    `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "cycle" when over the last
-    window neither change nor residual has fallen and the path leads nowhere, "slow" at the limit of iterations, "roundoff"
-    when the tolerance is out of reach.
+    `iterates` yields `Iterate`s, the first of them the start, and ends if the iteration gives up by itself.  A fixed-point
+    iteration has converged if change <= tol and residual <= tol, another one if residual <= tol.
+    `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "slow" at the limit of
+    iterations, "stalled" when it gave up; for fixed-point iterations "cycle" when over the last window neither change nor
+    residual has fallen and the path leads nowhere, "roundoff" when the tolerance is out of reach.
     """
     history, positions, start = [], [], time.perf_counter()
     iterate = None
@@ -48,7 +49,8 @@ def Drive(solver, disc, iterates, callback, Diagnose):
     try:
         for number, iterate in enumerate(iterates):
             if positions:
-                change = Scale(iterate.displacement - positions[-1]) / Scale(iterate.displacement)
+                size, _ = Scales(disc.contact, iterate.displacement, iterate.traction)
+                change = Scale(iterate.displacement - positions[-1]) / size
                 if np.array_equal(iterate.displacement, positions[-1]):
                     change = 0.0
                 history.append(Step(number, change, LawResidual(disc.contact, iterate), disc.solves,
@@ -56,19 +58,20 @@ def Drive(solver, disc, iterates, callback, Diagnose):
                 if callback is not None:
                     callback(history[-1])
             positions = positions[-WINDOW:] + [iterate.displacement]
-            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0))
+            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), fixedpoint)
             if reason == "converged":
                 return Solution(True)
             if reason:
-                message, contraction = Diagnose(reason)
-                raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False), contraction)
+                break
+        message, contraction = Diagnose(reason or "stalled")
+        raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False), contraction)
     except KeyboardInterrupt as interrupt:
         if iterate is None:
             raise
         raise SolveInterrupted(Solution(False)) from interrupt
 
 
-def _Verdict(solver, history, positions, gap):
+def _Verdict(solver, history, positions, gap, fixedpoint):
     """None to go on, "converged", or the reason to give up.
 
     `gap` is a length by which a foundation may move the body, whatever its loads.
@@ -76,8 +79,10 @@ def _Verdict(solver, history, positions, gap):
     if not history:
         return None
     last = history[-1]
-    if last.change <= solver.tol and last.residual <= solver.tol:
+    if last.residual <= solver.tol and (last.change <= solver.tol or not fixedpoint):
         return "converged"
+    if not fixedpoint:
+        return "slow" if last.number >= solver.maxiter else None
     if Scale(positions[-1]) > BLOWUP * max(Scale(positions[0]), gap):
         return "cycle"
     if not _Progresses(history) and not _GoesSomewhere(positions[-WINDOW - 1:]):

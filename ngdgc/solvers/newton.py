@@ -1,0 +1,265 @@
+"""A semismooth Newton method on the graph of the contact law."""
+
+from dataclasses import dataclass
+from numbers import Integral
+
+import numpy as np
+
+from ..coefficients import IsNumber
+from ..compliance import Apply, Compliance
+from ..discretization import Discretization
+from ..exceptions import ProblemError
+from ..graph import ContactGraph
+from .driver import Drive, Iterate, LawResidual
+from .recycling import Recycled
+
+CAP = 100           # largest stiffness put into the matrix, in units of the body's own at the scale of a facet
+FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
+NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
+FORCING = 1e-3, 1e-6    # relative residual of the linear equations: first and smallest
+LINEAR = 200        # applications of an inverse for one linear equation
+HALVINGS = 8        # of a Newton step
+DECREASE = 1e-4     # relative decrease of the merit function that a full step must bring
+PATIENCE = 8        # steps in which the merit function must halve
+SMALL = 1e-8        # law residuals below this that do not shrink are round-off
+LOADSTEP = 1 / 128  # smallest step of the load continuation
+CORRECTIONS = 12    # Newton steps for one load
+
+
+@dataclass(frozen=True, kw_only=True)
+class SemismoothNewtonSolver:
+    """Newton's method for  F(q) = U(q) - u_f + S t(q) = 0  on the graph of the contact law (`graph.ContactGraph`).
+
+    Every iterate obeys the law exactly, stick is u_t = 0, and what vanishes in the limit is the difference between the
+    displacement U(q) on the graph and u = u_f - S t(q), the one that its traction causes.  F is Lipschitz with a constant that
+    does not depend on the stiffness of the foundation, and piecewise smooth; its generalised derivative dU/dq + S dt/dq
+    contains the dependence of the friction bound on the penetration and is not symmetric.
+
+    * Linear equations by conjugate residuals that recycle all products with S (`recycling`), to a relative residual of 1e-3 at
+      first and 1e-6 at last, preconditioned by d x d blocks at the points.
+    * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
+      a body that nothing but its foundation holds.
+    * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls the load is raised in steps, starting from rest.
+
+    tol : of the law residual (`graph.Distance`), no unit
+    maxiter : limit of Newton steps
+
+    >>> SemismoothNewtonSolver(tol=1e-8).maxiter
+    100
+    """
+
+    tol: float = 1e-10
+    maxiter: int = 100
+
+    def __post_init__(self):
+        if not IsNumber(self.tol) or not 0 < self.tol < 1:
+            raise ProblemError(f"tol is {self.tol!r}; give a number between 0 and 1")
+        if isinstance(self.maxiter, bool) or not isinstance(self.maxiter, Integral) or self.maxiter < 1:
+            raise ProblemError(f"maxiter is {self.maxiter!r}; give a positive integer")
+
+    def Solve(self, disc, *, start=None, callback=None):
+        """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step`.
+
+        start : (displacement, traction), both (n, d), at the contact points, such as those of a similar problem; None: rest
+
+        Raises NotConvergedError, with the history and the likely cause, if the iteration stalls, also under load continuation;
+        SolveInterrupted, with the last iterate, on Ctrl-C.
+        """
+        if not isinstance(disc, Discretization):
+            raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
+        shape = disc.contact.normals.shape
+        if start is not None and [np.shape(part) for part in start] != [shape, shape]:
+            raise ProblemError(f"start has shapes {[np.shape(part) for part in start]}; give displacement and traction at the "
+                               f"contact points, both {shape}")
+        run = NewtonRun(self, disc, start)
+        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, fixedpoint=False)
+
+
+def BodyStiffness(disc):
+    """gamma (n,) [stress/length]: what the body opposes to a traction on one facet of diameter h, 2 mu k/h."""
+    contact = disc.contact
+    _, facet = np.unique(contact.facets, return_inverse=True)
+    measure = np.bincount(facet, contact.weights)[facet]
+    return 2 * disc.order * disc.problem.material.ShearAt(contact.inside) / measure ** (1 / (contact.dim - 1))
+
+
+def LawStiffness(point, scale, normals):
+    """D (n, d, d) [stress/length]: the slope dt/du of the law at points of its graph, between 0 and CAP gamma.
+
+    Without the coupling of friction to the penetration, which is not symmetric.
+    """
+    normal = normals[:, :, None] * normals[:, None, :]
+    tangential = np.eye(normals.shape[1]) - normal
+    slope = normal @ point.derivative @ normal + tangential @ point.derivative @ tangential
+    share, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
+    share = np.clip(share, 0, 1)        # dt/dq = D/(gamma + D); slip weakening has negative slopes
+    stiffness = scale[:, None] * share / (1 - share + share / CAP)
+    return (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+
+
+@dataclass(frozen=True)
+class _State:
+    """A point of the graph with F there (n, d), its merit |F|^2 in L2(Gamma_C), and the iterate in equilibrium with it."""
+
+    point: object
+    F: np.ndarray
+    merit: float
+    iterate: Iterate
+
+
+class NewtonRun:
+    """One run of the method on one discretisation.
+
+    Attributes
+    ----------
+    steps : list of (length, applications of the inverse, merit after/before), one for each Newton step
+    """
+
+    def __init__(self, solver, disc, start):
+        self.solver, self.disc, self.contact = solver, disc, disc.contact
+        self.scale = BodyStiffness(disc)
+        self.graph = ContactGraph(disc.contact, self.scale)
+        self.weights = disc.contact.weights[:, None]
+        self.held = not disc.unresisted
+        self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
+        self.steps, self.zones = [], []
+        self.compliance = Compliance(disc, self._Stiffness(self.start, predicted=start is not None), self.start.displacement)
+        self.recycled = Recycled(self.compliance, disc.contact.weights)
+        n, dim = disc.contact.normals.shape
+        self.stiffness = np.zeros((n, dim, dim)) if self.compliance.stiffness is None else self.compliance.stiffness
+        self.near = np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim))
+
+    def _Rest(self):
+        """No traction; a body that nothing else holds starts in contact everywhere, or its first step would be a flight."""
+        if self.held:
+            return self.graph.At(np.zeros_like(self.contact.normals))
+        touch = 1e-6 * np.ptp(self.contact.coordinates, axis=0).max()
+        return self.graph.At((self.scale * (self.contact.gap + touch))[:, None] * self.contact.normals)
+
+    def _Stiffness(self, point, predicted):
+        """What goes into the matrix, (n, d, d) or None."""
+        if self.held and not predicted:
+            return None
+        stiffness = LawStiffness(point, self.scale, self.contact.normals)
+        if not self.held:
+            resisting = self.contact.normals[:, :, None] * self.contact.normals[:, None, :]
+            for _, here, _, friction in self.contact.parts:
+                if friction is not None:
+                    resisting[here] = np.eye(self.contact.dim)
+            stiffness = stiffness + FLOOR * self.scale[:, None, None] * resisting
+        return stiffness
+
+    def Iterates(self):
+        state = self._Evaluate(self.start)
+        yield state.iterate
+        while not self._Stalled():
+            state = self._Step(state)
+            yield state.iterate
+            if self._Roundoff(state):
+                return
+        state = self._Continuation()
+        if state is None:
+            return
+        self.steps.clear()
+        yield state.iterate
+        while not self._Stalled() and not self._Roundoff(state):
+            state = self._Step(state)
+            yield state.iterate
+
+    def _Evaluate(self, point, load=1.0):
+        """The state at a point of the graph, by one application of the inverse."""
+        s = self.compliance.Shifted(point.displacement, point.traction)
+        displacement = self.compliance.Free(load) - self.recycled.Response(s)
+        F = point.displacement - displacement
+        self.last = Iterate(self.compliance.vector, self.compliance.Traction(displacement, s), displacement)
+        return _State(point, F, float(np.sum(self.weights * F ** 2)), self.last)
+
+    def _Step(self, state, load=1.0):
+        """One Newton step, shortened until the merit falls; the best state found."""
+        before, best, length = self.disc.solves, None, 1.0
+        if state.merit == 0:
+            return state
+        last = self.steps[-1][2] if self.steps else 1.0
+        step = self._Direction(state, float(np.clip(0.1 * last, FORCING[1], FORCING[0])))
+        applications = self.disc.solves - before
+        for _ in range(HALVINGS + 1):
+            trial = self._Evaluate(self.graph.At(state.point.q + length * step), load)
+            if best is None or trial.merit < best.merit:
+                best, chosen = trial, length
+            if best.merit <= (1 - DECREASE * length) * state.merit:
+                break
+            length /= 2
+        self.steps.append((chosen, applications, best.merit / state.merit))
+        self.zones.append(best.point.zones)
+        return best
+
+    def _Direction(self, state, forcing):
+        """Newton's step in q, (n, d), from the linear equation for s = (dt/dq - D dU/dq) dq.
+
+        Eliminating dq with S_D replaced by its blocks B at the points leaves s + P (S_D - B) s = -P F, which concerns only the
+        points where D misses the slope of the law.
+        """
+        slope = state.point.derivative
+        relief = (np.eye(self.contact.dim) - slope) / self.scale[:, None, None]     # dU/dq
+        shifted = slope - self.stiffness @ relief                                   # ds/dq
+        inverse = np.linalg.inv(relief + self.near @ shifted)
+        weight = shifted @ inverse
+
+        def Local(image, s):
+            return Apply(weight, image - Apply(self.near, s))
+
+        s, image = self.recycled.Solve(Local, -Apply(weight, state.F), tol=forcing, maxiter=LINEAR)
+        return Apply(inverse, Apply(self.near, s) - image - state.F)
+
+    def _Stalled(self):
+        recent = [ratio for _, _, ratio in self.steps[-PATIENCE:]]
+        return len(recent) == PATIENCE and np.prod(recent) > 0.5
+
+    def _Roundoff(self, state):
+        """True if the last two steps brought nothing and hardly anything is left."""
+        recent = [ratio for _, _, ratio in self.steps[-2:]]
+        return len(recent) == 2 and min(recent) > 0.5 and LawResidual(self.contact, state.iterate) < SMALL
+
+    def _Continuation(self):
+        """The state under full load, reached from rest by raising the load in steps that adapt; None if that fails as well."""
+        state, load, increment = self._Evaluate(self._Rest(), 0.0), 0.0, 0.25
+        while load < 1:
+            increment = min(increment, 1 - load)
+            self.steps.clear()
+            trial = self._Evaluate(state.point, load + increment)
+            goal, count = 1e-6 * trial.merit, 0
+            while trial.merit > goal and count < CORRECTIONS:
+                trial, count = self._Step(trial, load + increment), count + 1
+            if trial.merit <= goal:
+                state, load = trial, load + increment
+                increment *= 2 if count <= CORRECTIONS // 2 else 1
+            elif increment / 2 < LOADSTEP:
+                return None
+            else:
+                increment /= 2
+        return state
+
+    def Diagnose(self, reason):
+        """Cause and remedy of a failure."""
+        if reason == "slow":
+            return "Newton reached its limit of steps while still making progress; raise maxiter", None
+        lengths = [length for length, _, _ in self.steps]
+        if self.steps and LawResidual(self.contact, self.last) < SMALL:
+            return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", None
+        period = self._Period()
+        if period:
+            changing = int(np.sum(np.any(np.array(self.zones[-period:]) != self.zones[-1], axis=0)))
+            what = f"Newton cycles with period {period} between states that differ in the zones of {changing} points"
+        else:
+            what = f"Newton stagnates: its last steps were shortened to {min(lengths, default=1):.2g}"
+        return (f"{what}, and raising the load in steps did not help.  With strong friction that grows with the pressure, or a "
+                "law that is not monotone, there may be several solutions or none nearby.  Remedy: a smaller friction "
+                "coefficient, another start, or a finer mesh at the ends of the zones"), None
+
+    def _Period(self):
+        """Smallest number of steps after which the zones come back, twice; 0 if they do not."""
+        for period in range(1, PATIENCE + 1):
+            recent = self.zones[-2 * period - 1:]
+            if len(recent) == 2 * period + 1 and all(np.array_equal(a, b) for a, b in zip(recent[:-period], recent[period:])):
+                return period if period > 1 or self.steps[-1][2] > 0.5 else 0
+        return 0

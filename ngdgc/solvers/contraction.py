@@ -1,4 +1,4 @@
-"""Does an explicit iteration contract?  The numbers that decide, estimated by a few applications of the inverse."""
+"""Does an iteration contract, and how fast?  The numbers that decide, estimated by a few applications of the inverse."""
 
 from dataclasses import dataclass
 
@@ -44,6 +44,50 @@ def EstimateContraction(disc, penetration, *, step=0.0, maxiter=12, tol=1e-3):
     tangent = contact.Tangential(np.ones_like(contact.normals) + 0.1 * contact.coordinates)
     return Contraction(normal=_LargestEigenvalue(Normal, stiffness, weights, maxiter, tol),
                        friction=0.5 * _LargestEigenvalue(Tangential, step * tangent, weights, maxiter, tol))
+
+
+def ComplianceNorm(disc, *, maxiter=12, tol=1e-2):
+    """|S| in L2(Gamma_C) [length/stress], from below and to about `tol`, by at most `maxiter` applications of A^-1."""
+    contact = disc.contact
+    # Oblique and not constant, for the same reason as the start of the tangential part above.
+    start = np.ones_like(contact.normals) + 0.1 * contact.coordinates
+    return _LargestEigenvalue(lambda traction: contact.Displacement(disc.Response(traction)), start, contact.weights[:, None],
+                              maxiter, tol)
+
+
+def ContractionFactor(disc, step, state, maxiter):
+    """Spectral radius of the derivative of one step (a class of `steps`) at a state: the factor by which errors shrink.
+
+    If no point of Gamma_C changes its zone, the iteration is linear with this derivative.  With Tresca's friction in 2D that is
+    diag(0, I) - D^(1/2) S D^(1/2), D = diag(p_n', s), on active and sticking points for the explicit step: the factor is the
+    larger of |p_n' S_nn| and 1 - s lambda_min for k_n and s that hardly interact; and I - gamma S on the sticking points of
+    a stiff foundation for the implicit one, 1 - gamma lambda_min.  Arnoldi's method with the derivative in directions; it
+    finds the factor from below: 1 - factor is at most a tenth too large after maxiter = 20 solves for a condition number of
+    S up to 2000 (P1, n = 32).
+    """
+    traction, memory = step.At(state)
+    scale = np.linalg.norm(step.metric * state)
+
+    def Derivative(direction):
+        # A one-sided difference: differences of the law are exact up to round-off where it is linear.
+        shift = 1e-7 * scale
+        moved, remembered = step.At(state + shift * direction / step.metric)
+        du = -disc.contact.Displacement(disc.Response((moved - traction) / shift))
+        return step.metric * step.Next((remembered - memory) / shift, du)
+
+    start = np.random.default_rng(1).standard_normal(state.shape)
+    basis, hessenberg = [start / np.linalg.norm(start)], np.zeros((maxiter + 1, maxiter))
+    for j in range(maxiter):
+        image = Derivative(basis[j])
+        length = np.linalg.norm(image)
+        for i, vector in enumerate(basis):
+            hessenberg[i, j] = np.vdot(vector, image)
+            image = image - hessenberg[i, j] * vector
+        hessenberg[j + 1, j] = np.linalg.norm(image)
+        if hessenberg[j + 1, j] <= 1e-6 * length:
+            break
+        basis.append(image / hessenberg[j + 1, j])
+    return float(np.abs(np.linalg.eigvals(hessenberg[:j + 1, :j + 1])).max())
 
 
 def _LargestEigenvalue(Apply, start, weights, maxiter, tol):

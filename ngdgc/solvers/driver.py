@@ -30,20 +30,21 @@ def LawResidual(contact, iterate):
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
-def Drive(solver, disc, iterates, callback, Diagnose):
+def Drive(solver, disc, iterates, callback, Diagnose, Predict=None):
     """Run an iteration to its tolerance and return the ContactSolution.
 
     `iterates` yields `Iterate`s, the first without contact.  Converged is change <= tol and residual <= tol.
     `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "cycle" when over the last
     window neither change nor residual has fallen and the path leads nowhere, "slow" at the limit of iterations, "roundoff"
-    when the tolerance is out of reach.
+    when the tolerance is out of reach.  `Predict()` returns the contraction factor of the iteration at its last iterate; the
+    solution calls it when it is asked for.
     """
     history, positions, start = [], [], time.perf_counter()
     iterate = None
 
     def Solution(converged):
         return ContactSolution(disc, iterate.vector, iterate.traction, history=history, converged=converged,
-                               solver=repr(solver))
+                               solver=repr(solver), Predict=Predict)
 
     try:
         for number, iterate in enumerate(iterates):

@@ -23,8 +23,8 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"], ["graph"],
           ["fluxes", "resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction", "solvers.steps"],
-          ["solvers.uzawa"], ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas"],
-          ["lemmas"], ["consistency"],
+          ["solvers.uzawa"], ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"],
+          ["errors", "plots.canvas"], ["lemmas"], ["consistency"],
           ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"],
           ["plots.__init__"],
           ["bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]

@@ -40,19 +40,22 @@ def EstimateContraction(disc, penetration, *, step=0.0, maxiter=12, tol=1e-3):
         return step * contact.Tangential(contact.Displacement(disc.Response(traction)))
 
     weights = contact.weights[:, None]
-    # Smooth and oblique, so that it has a part in every eigenvector of low frequency and in both tangents in 3D.
-    tangent = contact.Tangential(np.ones_like(contact.normals) + 0.1 * contact.coordinates)
-    return Contraction(normal=_LargestEigenvalue(Normal, stiffness, weights, maxiter, tol),
+    start = _Start(contact)
+    normal, tangent = stiffness * contact.Normal(start)[:, None], contact.Tangential(start)
+    return Contraction(normal=_LargestEigenvalue(Normal, normal, weights, maxiter, tol),
                        friction=0.5 * _LargestEigenvalue(Tangential, step * tangent, weights, maxiter, tol))
 
 
-def ComplianceNorm(disc, *, maxiter=12, tol=1e-2):
+def _Start(contact):
+    """A traction (n, d) with a part in every eigenvector: smooth ones foremost, and none excluded by a symmetry of the mesh."""
+    return np.ones_like(contact.normals) + 0.5 * np.random.default_rng(1).standard_normal(contact.normals.shape)
+
+
+def ComplianceNorm(disc, *, maxiter=12, tol=1e-3):
     """|S| in L2(Gamma_C) [length/stress], from below and to about `tol`, by at most `maxiter` applications of A^-1."""
     contact = disc.contact
-    # Oblique and not constant, for the same reason as the start of the tangential part above.
-    start = np.ones_like(contact.normals) + 0.1 * contact.coordinates
-    return _LargestEigenvalue(lambda traction: contact.Displacement(disc.Response(traction)), start, contact.weights[:, None],
-                              maxiter, tol)
+    return _LargestEigenvalue(lambda traction: contact.Displacement(disc.Response(traction)), _Start(contact),
+                              contact.weights[:, None], maxiter, tol)
 
 
 def ContractionFactor(disc, step, state, maxiter):
@@ -75,7 +78,10 @@ def ContractionFactor(disc, step, state, maxiter):
         du = -disc.contact.Displacement(disc.Response((moved - traction) / shift))
         return step.metric * step.Next((remembered - memory) / shift, du)
 
+    # Parts of a state that rest whatever they are, such as lambda where there is no bound and tractions that no trace sees, have
+    # the eigenvalue 1 and no influence; M v - v is free of them.
     start = np.random.default_rng(1).standard_normal(state.shape)
+    start = Derivative(start) - start
     basis, hessenberg = [start / np.linalg.norm(start)], np.zeros((maxiter + 1, maxiter))
     for j in range(maxiter):
         image = Derivative(basis[j])

@@ -30,21 +30,21 @@ def LawResidual(contact, iterate):
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
-def Drive(solver, disc, iterates, callback, Diagnose, Predict=None):
+def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WINDOW):
     """Run an iteration to its tolerance and return the ContactSolution.
 
     `iterates` yields `Iterate`s, the first without contact.  Converged is change <= tol and residual <= tol.
     `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "cycle" when over the last
     window neither change nor residual has fallen and the path leads nowhere, "slow" at the limit of iterations, "roundoff"
-    when the tolerance is out of reach.  `Predict()` returns the contraction factor of the iteration at its last iterate; the
-    solution calls it when it is asked for.
+    when the tolerance is out of reach.  `Predict()` returns the contraction factor of the iteration at its last iterate, unless
+    it cycles; the solution calls it when it is asked for.  An iteration that is not monotone needs a larger `window`.
     """
     history, positions, start = [], [], time.perf_counter()
     iterate = None
 
-    def Solution(converged):
+    def Solution(converged, contracts):
         return ContactSolution(disc, iterate.vector, iterate.traction, history=history, converged=converged,
-                               solver=repr(solver), Predict=Predict)
+                               solver=repr(solver), Predict=Predict if contracts else None)
 
     try:
         for number, iterate in enumerate(iterates):
@@ -56,20 +56,20 @@ def Drive(solver, disc, iterates, callback, Diagnose, Predict=None):
                                     time.perf_counter() - start))
                 if callback is not None:
                     callback(history[-1])
-            positions = positions[-WINDOW:] + [iterate.displacement]
-            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0))
+            positions = positions[-window:] + [iterate.displacement]
+            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), window)
             if reason == "converged":
-                return Solution(True)
+                return Solution(True, True)
             if reason:
                 message, contraction = Diagnose(reason)
-                raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False), contraction)
+                raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False, reason == "slow"), contraction)
     except KeyboardInterrupt as interrupt:
         if iterate is None:
             raise
-        raise SolveInterrupted(Solution(False)) from interrupt
+        raise SolveInterrupted(Solution(False, False)) from interrupt
 
 
-def _Verdict(solver, history, positions, gap):
+def _Verdict(solver, history, positions, gap, window):
     """None to go on, "converged", or the reason to give up.
 
     `gap` is a length by which a foundation may move the body, whatever its loads.
@@ -81,19 +81,19 @@ def _Verdict(solver, history, positions, gap):
         return "converged"
     if Scale(positions[-1]) > BLOWUP * max(Scale(positions[0]), gap):
         return "cycle"
-    if not _Progresses(history) and not _GoesSomewhere(positions[-WINDOW - 1:]):
-        return "roundoff" if max(step.change for step in history[-WINDOW:]) < ROUNDOFF else "cycle"
+    if not _Progresses(history, window) and not _GoesSomewhere(positions[-window - 1:]):
+        return "roundoff" if max(step.change for step in history[-window:]) < ROUNDOFF else "cycle"
     return "slow" if last.number >= solver.maxiter else None
 
 
-def _Progresses(history):
+def _Progresses(history, window):
     """False if over the last window neither the change nor the law residual fell below its best value before.
 
     The best and not the latest: a point that turns from stick to slip lifts the change of a convergent iteration for a while.
     """
-    if len(history) < 2 * WINDOW:
+    if len(history) < 2 * window:
         return True
-    before, recent = history[:-WINDOW], history[-WINDOW:]
+    before, recent = history[:-window], history[-window:]
     return any(min(getattr(step, name) for step in recent) < NOPROGRESS * min(getattr(step, name) for step in before)
                for name in ("change", "residual"))
 

@@ -9,7 +9,6 @@ import numpy as np
 from ..contact import Scale
 from ..graph import ContactGraph
 
-GROWTH = 2      # of the residual that a step may cause before it counts as a failure
 
 
 class ExplicitStep:
@@ -65,12 +64,15 @@ class AdaptiveStep(ImplicitStep):
 
     With dt and du = -S dt the changes of the last step, gamma = |dt|^2/(dt, S dt): the inverse of a mean eigenvalue of S over
     what is left of the error.  It may be large, and then the residual |u - U(q)| grows for a while.  Where a projection is
-    involved such steps can cycle (Dai, Fletcher, Numer. Math. 100, 2005); so when the residual exceeds GROWTH times its
-    smallest value, gamma falls back to the inverse of the largest eigenvalue seen, which is the safe step.
+    involved such steps can cycle (Dai, Fletcher, Numer. Math. 100, 2005); so when the residual exceeds GROWTH times its smallest
+    value over the last MEMORY steps, gamma falls back to the inverse of the largest eigenvalue seen, which is the safe step.
     """
 
+    GROWTH = 100    # a factor of 10 spoils half of the fast steps of stiff problems
+    MEMORY = 10
+
     def Start(self, u):
-        self.last, self.largest, self.best = (np.zeros_like(u), u), 1 / self.gamma, np.inf
+        self.last, self.largest, self.residuals = (np.zeros_like(u), u), 1 / self.gamma, []
         return self.Next(*self.last)
 
     def At(self, state):
@@ -86,8 +88,9 @@ class AdaptiveStep(ImplicitStep):
         if product > 0:
             self.largest = max(self.largest, np.vdot(du, du) / product)
             residual = np.linalg.norm(self.metric * (u - self.expected))
-            self.gamma = np.vdot(dt, dt) / product if residual <= GROWTH * self.best else 1 / self.largest
-            self.best = min(self.best, residual)
+            self.residuals = self.residuals[-self.MEMORY:] + [residual]
+            grown = residual > self.GROWTH * min(self.residuals)
+            self.gamma = 1 / self.largest if grown else np.vdot(dt, dt) / product
         return super().Next(memory, u)
 
 
@@ -100,6 +103,7 @@ class Anderson:
     """
 
     WINDOW = 20     # as many vectors are kept; 5 take twice the iterations of 20 on stiff problems, 30 save nothing more
+    GROWTH = 2
     RCOND = 1e-10   # differences that depend on each other up to round-off are left out
 
     def __init__(self, metric):
@@ -109,7 +113,7 @@ class Anderson:
         """The next x, from x and G(x), arrays of one shape."""
         residual = (self.metric * (image - state)).ravel()
         length = np.linalg.norm(residual)
-        if length > GROWTH * self.best:
+        if length > self.GROWTH * self.best:
             self.images, self.residuals = [], []
         self.best = min(self.best, length)
         self.images = self.images[-self.WINDOW:] + [image]

@@ -13,6 +13,7 @@ from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
 from .driver import Drive, Iterate
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
 
+WINDOW = 30         # iterations over which accelerated and adaptive steps are judged: the residual may rest for fifteen
 PREDICTION = 20     # applications of A^-1 at most for the predicted contraction factor
 
 
@@ -96,7 +97,9 @@ class UzawaSolver:
             raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
         run = (_Explicit if self.normal == "explicit" else _Implicit)(self, disc)
         fixed = self.acceleration is None and self.rho != "adaptive"
-        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, run.Predict if fixed else None)
+        if fixed:
+            return Drive(self, disc, run.Iterates(), callback, run.Diagnose, Predict=run.Predict)
+        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=WINDOW)
 
 
 class _Run:

@@ -64,8 +64,8 @@ class AdaptiveStep(ImplicitStep):
 
     With dt and du = -S dt the changes of the last step, gamma = |dt|^2/(dt, S dt): the inverse of a mean eigenvalue of S over
     what is left of the error.  It may be large, and then the residual |u - U(q)| grows for a while.  Where a projection is
-    involved such steps can cycle (Dai, Fletcher, Numer. Math. 100, 2005); so when the residual exceeds GROWTH times its smallest
-    value over the last MEMORY steps, gamma falls back to the inverse of the largest eigenvalue seen, which is the safe step.
+    involved such steps can cycle (Dai, Fletcher, Numer. Math. 100, 2005); so when the residual exceeds GROWTH times its
+    smallest value over the last MEMORY steps, gamma falls back to the inverse of the largest eigenvalue seen, which is safe.
     """
 
     GROWTH = 100    # a factor of 10 spoils half of the fast steps of stiff problems

@@ -40,7 +40,7 @@ class UzawaSolver:
         although lambda is far from its limit.
     maxiter : limit of iterations
     rho : "auto" or a number > 0.  Explicit: the step of lambda [1/(stress length)].  Implicit: the step gamma of the traction
-        [stress/length]; "auto" is 1.9/|S|, |S| computed, and "adaptive" a step that learns from the last one
+        [stress/length]; "auto" is 1.8/|S|, |S| computed, and "adaptive" a step that learns from the last one
         (`steps.AdaptiveStep`), which needs no |S|.
     normal : "explicit" or "implicit"
     acceleration : None or "anderson" (`steps.Anderson`), which combines the last steps so that they cancel best
@@ -193,7 +193,7 @@ class _Implicit(_Run):
         if self.solver.rho != "auto":
             return ImplicitStep(self.contact, float(self.solver.rho))
         norm = ComplianceNorm(self.disc)
-        return ImplicitStep(self.contact, 1.9 / norm if norm else 1.0)
+        return ImplicitStep(self.contact, 1.8 / norm if norm else 1.0)
 
     def Diagnose(self, reason):
         """Cause and remedy of a failure; contraction numbers are those of the explicit iteration, so None."""
@@ -202,7 +202,7 @@ class _Implicit(_Run):
             return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", None
         if reason == "cycle" and self.solver.rho != "adaptive" and number >= 2:
             return (f"Uzawa with the implicit normal step cycles because {rho} is too large: rho |S| is {number:.3g} and must "
-                    f"be below 2.  Remedy: {1.9 / number:.2g} of it, or rho='auto'"), None
+                    f"be below 2.  Remedy: {1.8 / number:.2g} of it, or rho='auto'"), None
         if reason == "slow":
             remedy = "take rho='auto', " if IsNumber(self.solver.rho) and number < 1 else ""
             return (f"Uzawa with the implicit normal step converges too slowly with {rho} (rho |S| is {number:.3g}).  Remedy: "

@@ -102,7 +102,7 @@ class Anderson:
     without this the kinks of the law let the iteration wander.
     """
 
-    WINDOW = 20     # as many vectors are kept; 5 take twice the iterations of 20 on stiff problems, 30 save nothing more
+    WINDOW = 30     # differences kept; 10 take twice the steps on stiff problems, 100 are misled by zones long left
     GROWTH = 2
     RCOND = 1e-10   # differences that depend on each other up to round-off are left out
 

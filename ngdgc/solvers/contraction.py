@@ -96,7 +96,7 @@ def ContractionFactor(disc, step, state, maxiter):
     values, vectors = np.linalg.eig(hessenberg[:j + 1, :j + 1])
     # What round-off brings back of the resting parts has no share in the start.
     shares = np.abs(np.linalg.solve(vectors, np.eye(j + 1)[0]))
-    return float(np.abs(values[shares > 1e-6]).max())
+    return float(np.abs(values[shares > 1e-4]).max())
 
 
 def _LargestEigenvalue(Apply, start, weights, maxiter, tol):

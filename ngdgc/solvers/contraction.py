@@ -94,9 +94,9 @@ def ContractionFactor(disc, step, state, maxiter):
             break
         basis.append(image / hessenberg[j + 1, j])
     values, vectors = np.linalg.eig(hessenberg[:j + 1, :j + 1])
-    # What round-off brings back of the resting parts has no share in the start.
+    # What round-off brings back of the resting parts has no share in the start, or is 1 as no convergent iteration's factor is.
     shares = np.abs(np.linalg.solve(vectors, np.eye(j + 1)[0]))
-    return float(np.abs(values[shares > 1e-4]).max())
+    return float(np.abs(values[(shares > 1e-6) & (np.abs(values - 1) > 1e-6)]).max(initial=0))
 
 
 def _LargestEigenvalue(Apply, start, weights, maxiter, tol):

@@ -1,5 +1,7 @@
 """A solution as a page of text and as a dictionary of plain numbers."""
 
+from dataclasses import asdict
+
 import numpy as np
 
 LINE = 78
@@ -17,6 +19,7 @@ def Summary(solution):
         "iterations": len(solution.history),
         "change": last.change if last else None, "law_residual": last.residual if last else None,
         "solves": last.solves if last else None, "seconds": last.seconds if last else None,
+        "contraction": asdict(solution.rates),
         "elastic_energy": solution.energy, "normal_force": solution.normalforce,
         "zones": solution.ZoneLengths(),
         "penetration": _Range(solution.penetration), "pressure": _Range(solution.pressure),
@@ -55,7 +58,13 @@ def _Iteration(numbers):
     state = "converged" if numbers["converged"] else "NOT CONVERGED: the numbers below are those of the last iterate"
     return [numbers["solver"],
             f"  {state}, {numbers['iterations']} iterations, {numbers['solves']} linear solves, {numbers['seconds']:.2f} s",
-            f"  last change {numbers['change']:.1e}, distance to the contact law {numbers['law_residual']:.1e}"]
+            f"  last change {numbers['change']:.1e}, distance to the contact law {numbers['law_residual']:.1e}",
+            *_Rates(numbers["contraction"])]
+
+
+def _Rates(rates):
+    found = [f"{name} {rates[name]:.4g}" for name in ("predicted", "observed") if rates[name] is not None]
+    return [f"  contraction per iteration: {', '.join(found)}"] if found else []
 
 
 def _Contact(numbers):

@@ -32,6 +32,28 @@ class Step:
     seconds: float
 
 
+@dataclass(frozen=True)
+class Rates:
+    """Factors by which an iteration shrinks its error per step, no unit, None where there is none.
+
+    predicted : spectral radius of the derivative of the step at the solution; 1 - predicted is at most a tenth too large for
+        the sizes stated in `solvers.contraction.ContractionFactor`.  Only iterations with one and the same step have it
+    observed : geometric mean of the quotients of the last changes, at most ten and at most half of them all
+    """
+
+    predicted: float | None
+    observed: float | None
+
+
+def ObservedRate(history):
+    """`Rates.observed` of a list of Steps."""
+    changes = [step.change for step in history]
+    count = min(10, len(changes) // 2)
+    if count == 0 or changes[-1] == 0 or changes[-1 - count] == 0:
+        return None
+    return float((changes[-1] / changes[-1 - count]) ** (1 / count))
+
+
 class ContactSolution:
     """Displacement and contact traction of a discrete problem.
 
@@ -47,9 +69,9 @@ class ContactSolution:
     (n,) come with them.
     """
 
-    def __init__(self, disc, vector, traction, *, history=(), converged=True, solver=""):
+    def __init__(self, disc, vector, traction, *, history=(), converged=True, solver="", Predict=None):
         self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
-        self.history, self.converged, self.solver = list(history), converged, solver
+        self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
 
     def __repr__(self):
         state = "converged" if self.converged else "not converged"
@@ -60,6 +82,11 @@ class ContactSolution:
         function = GridFunction(self.disc.space, "u")
         function.vec.FV().NumPy()[:] = self.vector
         return function
+
+    @cached_property
+    def rates(self):
+        """`Rates` of the iteration; the prediction costs at most 20 linear solves, and no more than the iteration took."""
+        return Rates(self.Predict and self.Predict(), ObservedRate(self.history))
 
     @property
     def strain(self):
@@ -185,8 +212,9 @@ class ContactSolution:
         method = getattr(methods, description["method"])(**description["arguments"])
         disc = Discretization(problem, method, mesh, order=description["order"])
         history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
+        predicted = description["summary"].get("contraction", {}).get("predicted")
         solution = cls(disc, arrays["vector"], arrays["traction"], history=history, converged=description["converged"],
-                       solver=description["solver"])
+                       solver=description["solver"], Predict=lambda: predicted)
         for name, values in solution._Fingerprint().items():
             stored = arrays[name]
             if stored.shape != values.shape or not np.allclose(stored, values, rtol=0, atol=1e-6 * (np.abs(stored).max() or 1)):

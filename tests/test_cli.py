@@ -46,7 +46,7 @@ def test_every_option_reaches_the_solution(tmp_path, capsys):
     capsys.readouterr()
     numbers = json.loads((tmp_path / "report.json").read_text())
     assert (numbers["method"], numbers["order"], numbers["elements"], numbers["dofs"]) == ("H1", 2, 9, 98)
-    assert numbers["solver"] == "UzawaSolver(tol=1e-06, maxiter=10000, rho=200.0)"
+    assert numbers["solver"] == "UzawaSolver(tol=1e-06, maxiter=10000, rho=200.0, normal='explicit', acceleration=None)"
     assert (tmp_path / "deformed-scaled.png").exists()
     case = LoadCase("example_4_2")
     strain, stress = (case.Main(n=3, order=2, plane=plane, cells="quad", method=case.InteriorPenalty()).energy

@@ -22,9 +22,9 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"], ["graph"],
-          ["fluxes", "resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction"], ["solvers.uzawa"],
-          ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas"],
-          ["lemmas"], ["consistency"],
+          ["fluxes", "resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction", "solvers.steps"],
+          ["solvers.uzawa"], ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"],
+          ["errors", "plots.canvas"], ["lemmas"], ["consistency"],
           ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"],
           ["plots.__init__"],
           ["bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]

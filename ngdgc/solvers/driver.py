@@ -30,21 +30,23 @@ def LawResidual(contact, iterate):
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
-def Drive(solver, disc, iterates, callback, Diagnose, *, fixedpoint=True):
+def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WINDOW):
     """Run an iteration to its tolerance and return the ContactSolution.
 
-    `iterates` yields `Iterate`s, the first of them the start, and ends if the iteration gives up by itself.  A fixed-point
-    iteration has converged if change <= tol and residual <= tol, another one if residual <= tol.
+    `iterates` yields `Iterate`s, the first of them the start, and ends if the iteration gives up by itself.
+    window : iterations over which the progress of a fixed-point iteration is judged, more if it is not monotone.  It has
+        converged if change <= tol and residual <= tol.  None: no fixed-point iteration, residual <= tol is enough
     `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "slow" at the limit of
     iterations, "stalled" when it gave up; for fixed-point iterations "cycle" when over the last window neither change nor
-    residual has fallen and the path leads nowhere, "roundoff" when the tolerance is out of reach.
+    residual has fallen and the path leads nowhere, "roundoff" when the tolerance is out of reach.  `Predict()` returns the
+    contraction factor of the iteration at its last iterate, unless it cycles; the solution calls it when it is asked for.
     """
     history, positions, start = [], [], time.perf_counter()
     iterate = None
 
-    def Solution(converged):
+    def Solution(converged, contracts):
         return ContactSolution(disc, iterate.vector, iterate.traction, history=history, converged=converged,
-                               solver=repr(solver))
+                               solver=repr(solver), Predict=Predict if contracts else None)
 
     try:
         for number, iterate in enumerate(iterates):
@@ -57,21 +59,21 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, fixedpoint=True):
                                     time.perf_counter() - start))
                 if callback is not None:
                     callback(history[-1])
-            positions = positions[-WINDOW:] + [iterate.displacement]
-            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), fixedpoint)
+            positions = positions[-(window or 1):] + [iterate.displacement]
+            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), window)
             if reason == "converged":
-                return Solution(True)
+                return Solution(True, True)
             if reason:
                 break
         message, contraction = Diagnose(reason or "stalled")
-        raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False), contraction)
+        raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False, reason == "slow"), contraction)
     except KeyboardInterrupt as interrupt:
         if iterate is None:
             raise
-        raise SolveInterrupted(Solution(False)) from interrupt
+        raise SolveInterrupted(Solution(False, False)) from interrupt
 
 
-def _Verdict(solver, history, positions, gap, fixedpoint):
+def _Verdict(solver, history, positions, gap, window):
     """None to go on, "converged", or the reason to give up.
 
     `gap` is a length by which a foundation may move the body, whatever its loads.
@@ -79,25 +81,25 @@ def _Verdict(solver, history, positions, gap, fixedpoint):
     if not history:
         return None
     last = history[-1]
-    if last.residual <= solver.tol and (last.change <= solver.tol or not fixedpoint):
+    if last.residual <= solver.tol and (window is None or last.change <= solver.tol):
         return "converged"
-    if not fixedpoint:
+    if window is None:
         return "slow" if last.number >= solver.maxiter else None
     if Scale(positions[-1]) > BLOWUP * max(Scale(positions[0]), gap):
         return "cycle"
-    if not _Progresses(history) and not _GoesSomewhere(positions[-WINDOW - 1:]):
-        return "roundoff" if max(step.change for step in history[-WINDOW:]) < ROUNDOFF else "cycle"
+    if not _Progresses(history, window) and not _GoesSomewhere(positions[-window - 1:]):
+        return "roundoff" if max(step.change for step in history[-window:]) < ROUNDOFF else "cycle"
     return "slow" if last.number >= solver.maxiter else None
 
 
-def _Progresses(history):
+def _Progresses(history, window):
     """False if over the last window neither the change nor the law residual fell below its best value before.
 
     The best and not the latest: a point that turns from stick to slip lifts the change of a convergent iteration for a while.
     """
-    if len(history) < 2 * WINDOW:
+    if len(history) < 2 * window:
         return True
-    before, recent = history[:-WINDOW], history[-WINDOW:]
+    before, recent = history[:-window], history[-window:]
     return any(min(getattr(step, name) for step in recent) < NOPROGRESS * min(getattr(step, name) for step in before)
                for name in ("change", "residual"))
 

@@ -72,7 +72,7 @@ class SemismoothNewtonSolver:
             raise ProblemError(f"start has shapes {[np.shape(part) for part in start]}; give displacement and traction at the "
                                f"contact points, both {shape}")
         run = NewtonRun(self, disc, start)
-        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, fixedpoint=False)
+        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
 
 
 def BodyStiffness(disc):

@@ -1,4 +1,4 @@
-"""The Uzawa iteration of Xiao, Wang, Han 2018, section 4, (4.3)-(4.8)."""
+"""The Uzawa iteration of Xiao, Wang, Han 2018, section 4, (4.3)-(4.8), with an implicit normal step and accelerated."""
 
 from dataclasses import dataclass
 from numbers import Integral
@@ -9,31 +9,46 @@ import numpy as np
 from ..coefficients import IsNumber
 from ..discretization import Discretization
 from ..exceptions import ProblemError
-from .contraction import EstimateContraction
+from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
 from .driver import Drive, Iterate
+from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
+
+WINDOW = 30         # iterations over which accelerated and adaptive steps are judged: the residual may rest for fifteen
+PREDICTION = 20     # applications of A^-1 at most for the predicted contraction factor
 
 
 @dataclass(frozen=True, kw_only=True)
 class UzawaSolver:
-    """Uzawa's iteration with the normal compliance explicit: one solve with the unchanged matrix per step.
+    """Uzawa's iteration: one solve with the unchanged matrix per step.  By default it is the paper's,
 
         u^0:       B_h(u^0, v) = (f, v),  lambda^0 = 0
         lambda^i = P(lambda^(i-1) + rho p_t u_t^(i-1)),   P the projection onto the unit ball
         u^i:       B_h(u^i, v) = (f, v) - int_GammaC p_n(u_n^(i-1) - g) v_n - int_GammaC p_t lambda^i.v_t
 
-    For the reduced law p_t = k_t this is the paper's iteration; a bound that depends on the penetration is lagged,
-    p_t = p_t(u_n^(i-1) - g).
+    with the normal compliance explicit, which converges on soft foundations only.  For the reduced law p_t = k_t this is the
+    paper's iteration; a bound that depends on the penetration is lagged, p_t = p_t(u_n^(i-1) - g).  With normal="implicit" the
+    traction t = p_n n + p_t lambda makes a proximal gradient step of the dual problem, S: traction -> displacement on Gamma_C,
+
+        t^i + gamma U = t^(i-1) + gamma u^(i-1),  (U, t^i) on the graph of the law,     u^i = u_f - S t^i
+
+    one equation per point of Gamma_C.  If the bound does not depend on the penetration it converges for every gamma < 2/|S| and
+    every stiffness of the foundation, p_n' -> infinity included (forward-backward splitting).  Coulomb's friction has no such
+    theory; on very stiff foundations coefficients of 1 to 3, and H1 of higher order from 0.5 on, can defeat the fast variants.
 
     tol : stops when the change |u^i - u^(i-1)| / |u^i| in the maximum norm over the points of Gamma_C and the law residual
         (`driver.LawResidual`) are both at most tol.  The second guards against a small rho, for which u changes little
         although lambda is far from its limit.
     maxiter : limit of iterations
-    rho : step of lambda [1/(stress length)], a number > 0 or "auto".
+    rho : "auto" or a number > 0.  Explicit: the step of lambda [1/(stress length)].  Implicit: the step gamma of the traction
+        [stress/length]; "auto" is 1.8/|S|, |S| computed, and "adaptive" a step that learns from the last one
+        (`steps.AdaptiveStep`), which needs no |S|.
+    normal : "explicit" or "implicit"
+    acceleration : None or "anderson" (`steps.Anderson`), which combines the last steps so that they cancel best
 
-    The rule for "auto".  The friction traction p_t lambda moves by the step s = rho p_t^2 [stress/length].  In the variables p
-    and p_t lambda the iteration is the projection, onto p >= 0 and |p_t lambda| <= p_t, of diag(0, I) - D^(1/2) S D^(1/2) with
-    D = diag(p_n', s), symmetric in L2(Gamma_C).  Its eigenvalues lie below 1 because S is positive, and above -1 as soon as
-    D^(1/2) S D^(1/2) < diag(I, 2 I), for which
+    The explicit rule for "auto".  The friction traction p_t lambda moves by the step s = rho p_t^2 [stress/length].  In the
+    variables p and p_t lambda the iteration is the projection, onto p >= 0 and |p_t lambda| <= p_t, of
+    diag(0, I) - D^(1/2) S D^(1/2) with D = diag(p_n', s), symmetric in L2(Gamma_C).  Its eigenvalues lie below 1 because S is
+    positive, and above -1 as soon as D^(1/2) S D^(1/2) < diag(I, 2 I), for which
 
         |p_n' S_nn| + s |S_tt| / 2 < 1
 
@@ -44,17 +59,29 @@ class UzawaSolver:
 
     stays a tenth below the limit.  If nothing is left no rho helps, and `NotConvergedError` says so.
 
-    >>> UzawaSolver(tol=1e-8).rho
+    Predicted and observed contraction are `solution.rates`.
+
+    >>> UzawaSolver(normal="implicit", acceleration="anderson").rho
     'auto'
     """
 
     tol: float = 1e-10
     maxiter: int = 10000
     rho: Any = "auto"
+    normal: str = "explicit"
+    acceleration: str | None = None
 
     def __post_init__(self):
-        if not (isinstance(self.rho, str) and self.rho == "auto" or IsNumber(self.rho) and 0 < self.rho < np.inf):
-            raise ProblemError(f"rho is {self.rho!r}; give 'auto' or a positive number")
+        if self.normal not in ("explicit", "implicit"):
+            raise ProblemError(f"normal is {self.normal!r}; choose 'explicit' or 'implicit'")
+        if self.acceleration not in (None, "anderson"):
+            raise ProblemError(f"acceleration is {self.acceleration!r}; choose None or 'anderson'")
+        if self.rho == "adaptive":
+            if self.normal == "explicit" or self.acceleration:
+                raise ProblemError("rho is 'adaptive', which is for normal='implicit' without acceleration: Anderson's needs "
+                                   "steps that are all alike")
+        elif not (self.rho == "auto" or IsNumber(self.rho) and 0 < self.rho < np.inf):
+            raise ProblemError(f"rho is {self.rho!r}; give 'auto', a positive number, or with normal='implicit' 'adaptive'")
         if not IsNumber(self.tol) or not 0 < self.tol < 1:
             raise ProblemError(f"tol is {self.tol!r}; give a number between 0 and 1")
         if not isinstance(self.maxiter, Integral) or self.maxiter < 1:
@@ -68,74 +95,118 @@ class UzawaSolver:
         """
         if not isinstance(disc, Discretization):
             raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
-        run = _Run(self, disc)
-        return Drive(self, disc, run.Iterates(), callback, run.Diagnose)
+        run = (_Explicit if self.normal == "explicit" else _Implicit)(self, disc)
+        fixed = self.acceleration is None and self.rho != "adaptive"
+        if fixed:
+            return Drive(self, disc, run.Iterates(), callback, run.Diagnose, Predict=run.Predict)
+        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=WINDOW)
 
 
 class _Run:
-    """One run of the iteration on one discretisation."""
+    """One run of an iteration on one discretisation."""
 
     def __init__(self, solver, disc):
         self.solver, self.disc, self.contact = solver, disc, disc.contact
-        self.step = None        # s of rho="auto"
-        self.recent = []        # penetrations of the last steps
+        self.recent = []        # states of the last steps
+        self.count = 0
 
     def Iterates(self):
         contact = self.contact
         free = self.disc.FreeSolution()
         u = contact.Displacement(free)
         yield Iterate(free, np.zeros_like(u), u)
-        if self.solver.rho == "auto":
-            self.step = self._AutomaticStep(contact.Penetration(u), contact.Slip(u))
-        multiplier = np.zeros_like(u)
+        self.step = self.Step(u)
+        state = self.step.Start(u)
+        anderson = Anderson(self.step.metric) if self.solver.acceleration else None
         while True:
-            r, slip = contact.Penetration(u), contact.Slip(u)
-            self.recent = self.recent[-1:] + [(r, slip)]
-            bound = contact.Bound(r, slip)
-            multiplier = _OntoUnitBall(multiplier + (self._Rho(bound) * bound)[:, None] * contact.Tangential(u))
-            traction = contact.Pressure(r)[:, None] * contact.normals + bound[:, None] * multiplier
+            self.recent = self.recent[-1:] + [state]
+            traction, memory = self.step.At(state)
             vector = free - self.disc.Response(traction)
             u = contact.Displacement(vector)
+            self.count += 1
             yield Iterate(vector, traction, u)
+            image = self.step.Next(memory, u)
+            state = anderson(state, image) if anderson else image
 
-    def _Rho(self, bound):
-        """rho at every point, (n,); where there is no friction lambda does not matter and rests."""
-        if self.step is None:
-            return np.full(len(bound), self.solver.rho)
-        return np.where(bound > 0, self.step / np.where(bound > 0, bound, 1) ** 2, 0)
+    def Predict(self):
+        """The contraction factor at the last iterate, None if the loads caused no contact at all."""
+        if not self.recent or not np.any(self.recent[-1]):
+            return None
+        return ContractionFactor(self.disc, self.step, self.recent[-1], min(PREDICTION, self.count))
 
-    def _AutomaticStep(self, r, slip):
+    @property
+    def remedies(self):
+        """Solvers that can do more than this one."""
+        better = "SemismoothNewtonSolver()"
+        if self.solver.normal == "explicit" or not self.solver.acceleration:
+            better = f"UzawaSolver(normal='implicit', acceleration='anderson') or {better}"
+        return better
+
+
+class _Explicit(_Run):
+
+    def Step(self, u):
+        if self.solver.rho != "auto":
+            return ExplicitStep(self.contact, self.solver.rho, None)
+        r, slip = self.contact.Penetration(u), self.contact.Slip(u)
         unit = EstimateContraction(self.disc, r, step=np.where(self.contact.Bound(r, slip) > 0, 1.0, 0.0))
-        return 0.9 * max(1 - unit.normal, 0.1) / unit.friction if unit.friction else 1.0
+        return ExplicitStep(self.contact, None, 0.9 * max(1 - unit.normal, 0.1) / unit.friction if unit.friction else 1.0)
 
     def _Contraction(self, r, slip):
         bound = self.contact.Bound(r, slip)
-        return EstimateContraction(self.disc, r, step=self._Rho(bound) * bound ** 2)
+        return EstimateContraction(self.disc, r, step=self.step.Rho(bound) * bound ** 2)
 
     def Diagnose(self, reason):
         """Cause and remedy of a failure, and the contraction numbers at the last iterates."""
+        places = [(self.contact.Penetration(u), self.contact.Slip(u)) for u, _ in self.recent]
         # A cycle visits zones that are never active together; the zone of one iterate tells more than their union.
-        number = max((self._Contraction(*state) for state in self.recent), key=lambda found: found.normal)
+        number = max((self._Contraction(*place) for place in places), key=lambda found: found.normal)
         if number.normal < 1 and reason == "cycle":
-            number = self._Contraction(*np.max(self.recent, axis=0))
+            number = self._Contraction(*np.max(places, axis=0))
         numbers = f"normal {number.normal:.3g}, friction {number.friction:.3g}, together they must be below 1"
         rho = f"rho={self.solver.rho!r}"
         if reason == "roundoff":
             return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", number
         if reason == "slow":
-            remedy = "" if self.step is not None else ", or take rho='auto'"
+            remedy = "" if self.solver.rho == "auto" else "take rho='auto', "
             return (f"Uzawa converges too slowly with {rho} ({numbers}); large sticking zones are slow for every rho.  Remedy: "
-                    f"raise maxiter or tol{remedy}"), number
+                    f"{remedy}raise maxiter or tol, or take {self.remedies}"), number
         if number.normal >= 1:
             return (f"Uzawa cannot converge for any rho: the contraction number |p_n' S_nn| is {number.normal:.3g} and must be "
                     "below 1, so the iterates cycle instead of settling.  Remedy: a foundation that is softer by this factor, "
-                    "a stiffer body, or a solver that treats the normal compliance implicitly"), number
+                    f"a stiffer body, or {self.remedies}, which treat the normal compliance implicitly"), number
         if number.normal + number.friction >= 1:
             factor = (1 - number.normal) / number.friction
             return f"Uzawa cycles because {rho} is too large ({numbers}).  Remedy: {factor:.2g} of it, or rho='auto'", number
-        return (f"Uzawa cycles although its numbers predict convergence ({numbers}): the friction bound depends on the "
-                "penetration and is lagged.  Remedy: a smaller friction coefficient, or a smaller rho"), number
+        return (f"Uzawa cycles although its numbers predict convergence ({numbers}): the friction bound depends on "
+                "the penetration and is lagged.  Remedy: a smaller friction coefficient, a smaller rho, or "
+                f"{self.remedies}"), number
 
 
-def _OntoUnitBall(vectors):
-    return vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1)[:, None]
+class _Implicit(_Run):
+
+    def Step(self, u):
+        if self.solver.rho == "adaptive":
+            # Two steps of Lanczos cost two solves; a norm that is too small only makes the first step too long.
+            norm = ComplianceNorm(self.disc, maxiter=2)
+            return AdaptiveStep(self.contact, 1 / norm if norm else 1.0)
+        if self.solver.rho != "auto":
+            return ImplicitStep(self.contact, float(self.solver.rho))
+        norm = ComplianceNorm(self.disc)
+        return ImplicitStep(self.contact, 1.8 / norm if norm else 1.0)
+
+    def Diagnose(self, reason):
+        """Cause and remedy of a failure; contraction numbers are those of the explicit iteration, so None."""
+        rho, number = f"rho={self.solver.rho!r}", self.step.gamma * ComplianceNorm(self.disc)
+        if reason == "roundoff":
+            return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", None
+        if reason == "cycle" and self.solver.rho != "adaptive" and number >= 2:
+            return (f"Uzawa with the implicit normal step cycles because {rho} is too large: rho |S| is {number:.3g} and must "
+                    f"be below 2.  Remedy: {1.8 / number:.2g} of it, or rho='auto'"), None
+        if reason == "slow":
+            remedy = "take rho='auto', " if IsNumber(self.solver.rho) and number < 1 else ""
+            return (f"Uzawa with the implicit normal step converges too slowly with {rho} (rho |S| is {number:.3g}).  Remedy: "
+                    f"{remedy}raise maxiter or tol, or take {self.remedies}"), None
+        return ("Uzawa with the implicit normal step makes no progress although its step is small enough: friction depends on "
+                "the penetration or weakens with the slip, so there is no energy to decrease.  Remedy: a smaller friction "
+                f"coefficient, or {self.remedies}"), None

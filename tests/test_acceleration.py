@@ -1,0 +1,257 @@
+"""The implicit normal step, its adaptive step and Anderson's acceleration: limits, equivalence, counts, predicted rates."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from conftest import METHODS, Example
+from ngsolve import CF
+
+from ngdgc import (Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, NormalCompliance, NotConvergedError, ProblemError, TrescaFriction, UzawaSolver)
+from ngdgc.cases import example_4_1, example_4_2
+from ngdgc.exact import AffinePatch
+from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.solvers.contraction import ComplianceNorm
+from ngdgc.solvers.steps import Anderson
+
+IMPLICIT = {"plain": UzawaSolver(normal="implicit"),
+            "adaptive": UzawaSolver(normal="implicit", rho="adaptive"),
+            "anderson": UzawaSolver(normal="implicit", acceleration="anderson")}
+FAST = [IMPLICIT["adaptive"], IMPLICIT["anderson"]]
+EXAMPLES = {"4.1": (example_4_1, 2000), "4.2": (example_4_2, 2500)}
+
+
+def Stiff(name, ratio, friction, *, n=8, method=METHODS[0]):
+    """An example with k_n = ratio E and its own or Coulomb's friction."""
+    case, modulus = EXAMPLES[name]
+    problem = case.Problem("strain")
+    foundation = replace(problem.foundation[0], compliance=NormalCompliance(ratio * modulus), friction=friction)
+    return Discretization(replace(problem, foundation=foundation), method, case.Mesh(n), order=1)
+
+
+def Difference(one, other):
+    """Largest differences of displacement and of the load that the tractions are to the body, relative."""
+    contact = one.disc.contact
+    loads = [contact.Load(solution.traction) for solution in (one, other)]
+    return (np.abs(one.displacement - other.displacement).max() / np.abs(one.displacement).max(),
+            np.abs(loads[0] - loads[1]).max() / np.abs(loads[0]).max())
+
+
+@pytest.mark.parametrize("friction", [TrescaFriction(1), TrescaFriction(50), CoulombFriction(0.3)],
+                         ids=["bound-1", "bound-50", "coulomb"])
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_implicit_and_explicit_solve_the_same_problem(name, friction, method):
+    """At a tenth of the modulus both converge; a friction bound halved is another problem."""
+    explicit = UzawaSolver().Solve(Stiff(name, 0.1, friction, method=method))
+    for solver in IMPLICIT.values():
+        solution = solver.Solve(Stiff(name, 0.1, friction, method=method))
+        assert max(Difference(explicit, solution)) < 1e-7
+    half = replace(friction, **{key: value / 2 for key, value in vars(friction).items()})
+    assert max(Difference(explicit, solver.Solve(Stiff(name, 0.1, half, method=method)))) > 1e-4
+
+
+@pytest.mark.parametrize("ratio", [1e2, 1e6])
+@pytest.mark.parametrize("friction", [TrescaFriction(1), CoulombFriction(0.3)], ids=["bound", "coulomb"])
+@pytest.mark.parametrize("name", EXAMPLES)
+def test_implicit_converges_far_beyond_the_explicit_limit(name, friction, ratio):
+    """k_n of 100 and 1e6 moduli: all implicit variants find one solution, the explicit iteration none."""
+    plain = replace(IMPLICIT["plain"], tol=1e-8).Solve(Stiff(name, ratio, friction, n=4))
+    penetration = plain.penetration.max() / np.abs(plain.displacement).max()
+    assert plain.normalforce > 1 and penetration < 5 / ratio
+    for solver in FAST:
+        solution = solver.Solve(Stiff(name, ratio, friction, n=4))
+        # The plain iteration stops 1e-8 per step from a limit that it approaches by a hundredth per step.
+        assert max(Difference(solution, plain)) < 5e-6
+        assert len(plain.history) > 5 * len(solution.history)
+    assert len(solution.history) <= 50
+    with pytest.raises(NotConvergedError, match="cannot converge for any rho.*SemismoothNewtonSolver"):
+        UzawaSolver().Solve(Stiff(name, ratio, friction, n=4))
+
+
+def test_counts_of_anderson_do_not_grow_with_the_stiffness():
+    """From k_n = 100 E to 1e6 E nothing happens any more; from n = 8 to 16 less than twice the steps, plain more."""
+    counts = {(n, ratio): len(IMPLICIT["anderson"].Solve(Stiff("4.1", ratio, TrescaFriction(1), n=n)).history)
+              for n in (8, 16) for ratio in (1e2, 1e4, 1e6)}
+    assert counts[8, 1e6] <= counts[8, 1e4] + 2 and counts[16, 1e6] <= 2 * counts[8, 1e6] <= 80
+
+
+@pytest.mark.parametrize("stiffness", [100.0, 1e7])
+@pytest.mark.parametrize("exponent", [1, 3])
+def test_slip_patch_is_exact_for_stiff_and_nonlinear_foundations(stiffness, exponent):
+    exact = AffinePatch("slip", stiffness=stiffness, exponent=exponent, coulomb=0.2)
+    for solver in FAST:
+        solution = solver.Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(3), order=1))
+        expected = np.array([exact.displacement(solution.disc.mesh(*point)) for point in solution.points])
+        assert solution.displacement == pytest.approx(expected, abs=1e-8)
+        assert solution.ZoneLengths()["slip"] == pytest.approx(1)
+
+
+STICK = [(2, "triangle", 8), (3, "tet", 2), (3, "hex", 2), (3, "prism", 2)]
+
+
+@pytest.mark.parametrize("dim, cells, n", STICK, ids=[f"{cells}-{n}" for _, cells, n in STICK])
+def test_acceleration_on_the_stick_patch(dim, cells, n):
+    """Every point sticks, so |S|/lambda_min decides; Anderson needs a fifth of the steps, and the patch stays exact."""
+    exact, mesh = AffinePatch("stick", dim=dim), (RectangleMesh if dim == 2 else BoxMesh)(n, cells=cells)
+    disc = Discretization(exact.problem, InteriorPenalty(), mesh, order=1)
+    for normal in ("explicit", "implicit"):
+        plain = UzawaSolver(normal=normal).Solve(disc)
+        fast = UzawaSolver(normal=normal, acceleration="anderson").Solve(disc)
+        assert 5 * len(fast.history) < len(plain.history)
+        assert np.abs(fast.slip).max() < 1e-8 and fast.ZoneLengths()["stick"] == pytest.approx(1)
+        assert max(Difference(fast, plain)) < 1e-6
+    assert 2 * len(IMPLICIT["adaptive"].Solve(disc).history) < len(plain.history)
+    # A bound below the traction of the patch makes it slip.
+    soft = replace(exact.problem, foundation=replace(exact.problem.foundation[0], friction=TrescaFriction(1.0)))
+    assert np.abs(IMPLICIT["anderson"].Solve(Discretization(soft, InteriorPenalty(), mesh, order=1)).slip).max() > 1e-5
+
+
+def test_acceleration_does_not_break_a_convergent_run():
+    """Examples at all stiffnesses where the plain explicit iteration converges: never more steps than it takes."""
+    for name in EXAMPLES:
+        for friction in (TrescaFriction(1), CoulombFriction(0.3)):
+            for ratio in (1e-3, 1e-2, 0.1):
+                disc = Stiff(name, ratio, friction)
+                for normal in ("explicit", "implicit"):
+                    plain, fast = (len(UzawaSolver(normal=normal, acceleration=acceleration).Solve(disc).history)
+                                   for acceleration in (None, "anderson"))
+                    assert fast <= plain
+
+
+def test_anderson_is_gmres_on_a_linear_map_and_forgets_when_it_fails():
+    """For x -> M x + b in R^6 it ends after 7 evaluations; after a residual that grew it makes the plain step."""
+    random = np.random.default_rng(3)
+    matrix, b = 0.4 * random.standard_normal((6, 6)), random.standard_normal(6)
+    anderson, x = Anderson(1.0), np.zeros(6)
+    for _ in range(8):
+        x = anderson(x, matrix @ x + b)
+    assert x == pytest.approx(np.linalg.solve(np.eye(6) - matrix, b), abs=1e-9)
+    assert np.abs(np.linalg.eigvals(matrix)).max() > 0.5        # plain steps would be far off
+    image = x + 1.0
+    assert np.array_equal(anderson(x, image), image)
+    assert np.array_equal(anderson(image, image + 1.0), image + 1.0)       # until the residual is back
+    x = anderson(image, image + 1e-16)
+    assert not np.array_equal(anderson(x, x + 1e-16), x + 1e-16)
+
+
+@pytest.mark.parametrize("acceleration", [None, "anderson"])
+def test_too_large_step_is_named_with_a_remedy_that_works(acceleration):
+    disc = Discretization(AffinePatch("stick").problem, InteriorPenalty(), RectangleMesh(4), order=1)
+    limit = 2 / ComplianceNorm(disc)
+    assert UzawaSolver(normal="implicit", rho=0.95 * limit, acceleration=acceleration).Solve(disc).converged
+    if acceleration is None:
+        with pytest.raises(NotConvergedError, match=r"rho=.* is too large: rho \|S\| is 2.4.*Remedy: 0.75 of it"):
+            UzawaSolver(normal="implicit", rho=1.2 * limit).Solve(disc)
+    with pytest.raises(NotConvergedError, match="too slowly.*Remedy: take rho='auto'"):
+        UzawaSolver(normal="implicit", rho=1e-4 * limit, maxiter=20).Solve(disc)
+
+
+def test_compliance_norm_against_the_dense_operator():
+    """Two orders, and a mesh whose symmetries hide the largest eigenvalue from a smooth start."""
+    for disc in (Discretization(Example(), InteriorPenalty(), RectangleMesh(3), order=2),
+                 Discretization(AffinePatch("stick", dim=3).problem, InteriorPenalty(), BoxMesh(2, cells="prism"), order=1)):
+        assert ComplianceNorm(disc) == pytest.approx(np.linalg.eigvalsh(DenseCompliance(disc))[-1], rel=0.01)
+        assert ComplianceNorm(disc, maxiter=1) < 0.9 * ComplianceNorm(disc)
+
+
+def DenseCompliance(disc):
+    """S as a symmetric matrix (n d, n d), orthonormal in L2(Gamma_C)."""
+    contact = disc.contact
+    size, root = contact.normals.size, np.repeat(np.sqrt(contact.weights), contact.dim)
+    columns = [contact.Displacement(disc.Response(unit.reshape(-1, contact.dim))).ravel() for unit in np.eye(size)]
+    dense = root[:, None] * np.array(columns).T / root
+    return (dense + dense.T) / 2
+
+
+@pytest.mark.parametrize("normal", ["explicit", "implicit"])
+def test_predicted_rate_is_the_one_of_the_theory_and_the_one_observed(normal):
+    """Stick, k_n soft: 1 - s lambda_min(S_tt); implicit, dt/dq = p_n'/(p_n' + gamma) across and 1 along."""
+    disc = Discretization(AffinePatch("stick").problem, InteriorPenalty(), RectangleMesh(4), order=1)
+    run = UzawaSolver(normal=normal).Solve(disc)
+    dense, n = DenseCompliance(disc), len(run.weights)
+    stiffness, across = 100.0, np.arange(2 * n) % 2 == 1        # the bottom: components x, y
+    if normal == "implicit":
+        gamma = 1.8 / ComplianceNorm(disc)
+        root = np.sqrt(np.where(across, stiffness / (stiffness + gamma), 1))
+        theory = np.abs(np.linalg.eigvalsh(root[:, None] * (np.eye(2 * n) - gamma * dense) * root)).max()
+    else:
+        tangential = dense[~across][:, ~across]
+        normalnorm, norm = (np.linalg.eigvalsh(dense[part][:, part])[-1] for part in (across, ~across))
+        step = 1.8 * (1 - stiffness * normalnorm) / norm
+        root = np.sqrt(np.where(across, stiffness, step))
+        theory = np.abs(np.linalg.eigvalsh(np.diag(~across * 1.0) - root[:, None] * dense * root)).max()
+        assert theory == pytest.approx(1 - step * np.linalg.eigvalsh(tangential)[0], rel=0.01)
+    assert 0.8 < theory < 0.95
+    for rate in (run.rates.predicted, run.rates.observed):
+        assert 1 - rate == pytest.approx(1 - theory, rel=0.1)
+
+
+@pytest.mark.parametrize("solver, name, ratio, friction, lower, upper", [
+    (UzawaSolver(), "4.1", 0.1, TrescaFriction(1), 0.2, 0.25), (UzawaSolver(), "4.2", 0.1, CoulombFriction(0.3), 0.1, 0.13),
+    (IMPLICIT["plain"], "4.1", 10, TrescaFriction(1), 0.9, 0.95),
+    (IMPLICIT["plain"], "4.1", 1e4, CoulombFriction(0.3), 0.97, 0.99),
+    (IMPLICIT["plain"], "4.2", 1e2, TrescaFriction(1), 0.98, 0.992)])
+def test_predicted_rates_of_the_examples(solver, name, ratio, friction, lower, upper):
+    """Slow or fast, 1 - rate is predicted within 15 %."""
+    rates = solver.Solve(Stiff(name, ratio, friction, n=8 if ratio < 100 else 4)).rates
+    assert lower < rates.predicted < upper and lower < rates.observed < upper
+    assert 1 - rates.predicted == pytest.approx(1 - rates.observed, rel=0.15)
+
+
+def test_rates_are_reported_saved_and_absent_where_there_are_none(tmp_path):
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(4), order=1)
+    solution = UzawaSolver().Solve(disc)
+    before = disc.solves
+    assert f"contraction per iteration: predicted {solution.rates.predicted:.4g}, observed" in solution.Report()
+    assert 0 < disc.solves - before <= 22           # once, not for every report
+    assert solution.ToJSON()["contraction"]["observed"] == solution.rates.observed
+    solution.Save(tmp_path)
+    assert ContactSolution.Load(tmp_path, disc.problem).rates == solution.rates
+    for solver in FAST:
+        rates = solver.Solve(disc).rates
+        assert rates.predicted is None and 0 < rates.observed < 1
+    far = Foundation("bottom", NormalCompliance(450), gap=5.0)
+    rates = UzawaSolver().Solve(Discretization(Example(foundation=far), InteriorPenalty(), RectangleMesh(2), order=1)).rates
+    assert rates.observed is None
+    with pytest.raises(NotConvergedError) as failure:
+        UzawaSolver().Solve(Discretization(Example(2e4), InteriorPenalty(), RectangleMesh(4), order=1))
+    assert failure.value.solution.rates.predicted is None
+
+
+@pytest.mark.parametrize("normal", ["explicit", "implicit"])
+def test_iterations_do_not_depend_on_the_units(normal):
+    """The same patch with all stresses in another unit, accelerated: the same number of iterations."""
+    counts = []
+    for unit in (1.0, 1e6):
+        material = HookeMaterial(mu=1000 * unit, lam=1500 * unit)
+        exact = AffinePatch("stick", material=material, stiffness=100 * unit, bound=3 * unit)
+        disc = Discretization(exact.problem, InteriorPenalty(), RectangleMesh(4), order=1)
+        counts.append(len(UzawaSolver(normal=normal, acceleration="anderson").Solve(disc).history))
+    assert abs(counts[0] - counts[1]) <= 1
+
+
+def test_unloaded_body_and_no_contact():
+    far = Foundation("bottom", NormalCompliance(450), gap=5.0)
+    for problem in (Example(traction={"left": CF((0, 0))}), Example(foundation=far)):
+        for solver in IMPLICIT.values():
+            solution = solver.Solve(Discretization(problem, Conforming(), RectangleMesh(2), order=1))
+            assert solution.converged and not np.any(solution.traction) and solution.Report()
+
+
+def test_body_held_by_its_foundation_alone_is_refused():
+    problem = ContactProblem(HookeMaterial(E=100, nu=0.3), Foundation("bottom", NormalCompliance(10)), roller={"left": 0},
+                             bodyforce=CF((0, -1)))
+    disc = Discretization(problem, Conforming(), RectangleMesh(2), order=1)
+    for solver in IMPLICIT.values():
+        with pytest.raises(ProblemError, match="held by its foundation alone"):
+            solver.Solve(disc)
+
+
+@pytest.mark.parametrize("arguments, culprit", [
+    ({"normal": "semi"}, "normal is"), ({"acceleration": "fista"}, "acceleration is"),
+    ({"rho": "adaptive"}, "rho is 'adaptive'.*normal='implicit'"),
+    ({"rho": "adaptive", "normal": "implicit", "acceleration": "anderson"}, "rho is 'adaptive'.*without acceleration")])
+def test_bad_options(arguments, culprit):
+    with pytest.raises(ProblemError, match=culprit):
+        UzawaSolver(**arguments)

@@ -24,6 +24,7 @@ from .foundation import BoundDerivatives, SlipFactor
 SEPARATION, STICK, SLIP = 0, 1, 2
 ZONES = ("separation", "stick", "slip")
 STEPS = 200     # of the safeguarded iteration for one scalar equation; bisection alone needs 60
+LEAST = 1e-5    # scale of friction, relative to the tractions
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ class ContactGraph:
         friction = np.where(sliding, bound, length)
         traction = p[:, None] * normals + friction[:, None] * direction
         displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
-        if not (np.all(np.isfinite(traction)) and np.all(np.isfinite(displacement))):
+        if not all(np.all(np.isfinite(values)) for values in (traction, displacement, bound)):
             raise ProblemError("a contact law returned a value that is not finite; "
                                "look at its exponent and its data for the penetrations that occur")
         zones = np.where(p <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
@@ -104,8 +105,9 @@ def Distance(contact, displacement, traction):
     """How far displacement and traction (n, d) at the contact points are from the law; the same for soft and stiff foundations.
 
     Along (*) with gamma = t_s/u_s both coordinates of the graph are reached at once, and what is left, |u - U(q)|/u_s =
-    |t - t(q)|/t_s, is at most twice min(|t - p(u)|/t_s, |u - p^-1(t)|/u_s) for a monotone law, and at least half of it.  The
-    scales are u_s = max |u|, t_s = max |t| for the normal part, and max p_t for friction.
+    |t - t(q)|/t_s, is at most min(|t - p(u)|/t_s, |u - p^-1(t)|/u_s) for a monotone law, and at least half of it unless p'
+    passes t_s/u_s in between, as at the kink of a stiff law, where both terms of the minimum overrate the distance.  The scales
+    are u_s = max |u|, t_s = max |t| for the normal part, and max p_t for friction.
     """
     uscale = Scale(displacement)
     r, t = contact.Penetration(displacement), contact.Normal(traction)
@@ -117,7 +119,8 @@ def Distance(contact, displacement, traction):
         if law is not None:
             bound[here] = law.Bound(depth[here], pressure[here])
     distance = np.abs(r - depth) / uscale
-    gamma = np.full(len(r), (bound.max(initial=0) or Scale(traction)) / uscale)
+    # Below a part LEAST of the tractions the scale would be that of their round-off.
+    gamma = np.full(len(r), (max(bound.max(initial=0), LEAST * Scale(traction)) if np.any(bound) else Scale(traction)) / uscale)
     q = friction + gamma[:, None] * slip
     length = np.linalg.norm(q, axis=1)
     creep, limit = length / gamma, np.zeros(len(r))
@@ -161,16 +164,17 @@ def SlipPart(law, gamma, base, length):
 def Resolvent(Value, Derivative, gamma, q):
     """x >= 0 with Value(x) + gamma x = q where q > Value(0), by Newton's iteration inside a bracket; else min(q, 0)/gamma.
 
-    Arguments and results are arrays (n,); Value >= 0.
+    Arguments and results are arrays (n,); Value >= 0.  A Value that is finite nowhere gives nan.
     """
     start = np.zeros_like(q)
     with np.errstate(all="ignore"):
-        free = q > Value(start)
+        # A value that is not finite counts as too large: a law may end at some penetration.
+        free = ~(q <= Value(start))
         low, high = start, np.maximum(q, 0) / gamma
         x = high.copy()
         for _ in range(STEPS):
             excess = Value(x) + gamma * x - q
-            low, high = np.where(excess <= 0, x, low), np.where(excess > 0, x, high)
+            low, high = np.where(excess <= 0, x, low), np.where(excess <= 0, high, x)
             new = x - excess / (gamma + Derivative(x))
             new = np.where((new > low) & (new < high), new, 0.5 * (low + high))
             # A Newton step that leaves the bracket by round-off has converged.
@@ -178,4 +182,5 @@ def Resolvent(Value, Derivative, gamma, q):
             if np.all(done):
                 break
             x = np.where(done, x, new)
+        x = np.where(np.isfinite(Value(x)), x, np.where(low > 0, low, np.nan))
     return np.where(free, x, np.minimum(q, 0) / gamma)

@@ -108,29 +108,40 @@ def Distance(contact, displacement, traction):
     |t - t(q)|/t_s, is at most min(|t - p(u)|/t_s, |u - p^-1(t)|/u_s) for a monotone law, and at least half of it unless p'
     passes t_s/u_s in between, as at the kink of a stiff law, where both terms of the minimum overrate the distance.  The scales
     are u_s = max |u|, t_s = max |t| for the normal part, and max p_t for friction.
+
+    A law that is not monotone can have several points on the line (*), and the one found may be far off; then |t - p(u)|/t_s
+    is smaller, and taken.
     """
     uscale = Scale(displacement)
     r, t = contact.Penetration(displacement), contact.Normal(traction)
     slip, friction = contact.Tangential(displacement), contact.Tangential(traction)
     gamma = np.full(len(r), Scale(traction) / uscale)
-    depth, pressure, bound = (np.zeros(len(r)) for _ in range(3))
+    depth, pressure, bound, distance = (np.zeros(len(r)) for _ in range(4))
     for _, here, compliance, law in contact.parts:
         depth[here], pressure[here], _ = NormalPart(compliance, gamma[here], t[here] + gamma[here] * r[here])
+        above = compliance.Pressure(r[here])
+        straight = np.abs(t[here] - above) < gamma[here] * np.abs(r[here] - depth[here])
+        distance[here] = np.where(straight, np.abs(t[here] - above) / gamma[here], np.abs(r[here] - depth[here])) / uscale
+        depth[here], pressure[here] = np.where(straight, (r[here], above), (depth[here], pressure[here]))
         if law is not None:
             bound[here] = law.Bound(depth[here], pressure[here])
-    distance = np.abs(r - depth) / uscale
     # Below a part LEAST of the tractions the scale would be that of their round-off.
     gamma = np.full(len(r), (max(bound.max(initial=0), LEAST * Scale(traction)) if np.any(bound) else Scale(traction)) / uscale)
     q = friction + gamma[:, None] * slip
     length = np.linalg.norm(q, axis=1)
-    creep, limit = length / gamma, np.zeros(len(r))
+    creep, limit, above, slid = length / gamma, np.zeros(len(r)), np.zeros(len(r)), np.linalg.norm(slip, axis=1)
     for _, here, _, law in contact.parts:
         if law is not None:
             creep[here], factor, _ = SlipPart(law, gamma[here], bound[here], length[here])
             limit[here] = bound[here] * factor
+            above[here] = bound[here] * SlipFactor(law, slid[here])[0]
     sliding = length >= limit
     expected = np.where(sliding, creep, 0)[:, None] * q / np.where(length > 0, length, 1)[:, None]
-    distance = np.maximum(distance, np.linalg.norm(slip - expected, axis=1) / uscale)
+    along = np.linalg.norm(slip - expected, axis=1)
+    off = np.linalg.norm(friction - above[:, None] * slip / np.where(slid > 0, slid, 1)[:, None], axis=1) / gamma
+    straight = (off < along) & (slid > 0)
+    sliding |= straight
+    distance = np.maximum(distance, np.where(straight, off, along) / uscale)
     return GraphDistance(distance, np.where(pressure <= 0, SEPARATION, np.where(sliding, SLIP, STICK)))
 
 

@@ -3,7 +3,8 @@
 Domain: (0,0.04) x (0,0.04) [m], half of a body 0.08 wide, symmetric about x = 0.04; the plane carries it vertically.
 Problem: plane strain, E = 1.3e11, nu = 0.2 [Pa]; pressure 5e7 on top, 15e7 on x = 0; friction coefficient 1; p_n = k r with
     k = 1e16 [Pa/m] for the rigid plane: u_x at the reference points differs from the limit by less than 1e-3 of its size.
-What to look at: the plate slides towards its middle, where it sticks; u_x on Gamma_C is REFERENCE, given to 5 per cent.
+What to look at: the plate slides towards its middle, where it sticks, and lifts off a little at its edge x = 0; u_x on
+    Gamma_C is REFERENCE, given to 5 per cent.
 Source: SSNV128 in the validation manual of code_aster, after the group "Grandes deformations et endommagement" (GRECO).
 """
 

@@ -79,6 +79,29 @@ def ThreeZones(*, stiffness=250.0, coefficient=0.4, ends=(0.25, 0.75), un=0.02, 
                       shear=coefficient * pressure - reserve * Positive(a - x, 2), material=material, dim=dim)
 
 
+def RigidLimit(*, stiffness, load=5.0, opening=0.02, coefficient=0.4, ends=(0.25, 0.75), ut=0.02, reserve=10.0):
+    """B8: the unilateral problem with Coulomb friction, approached by p_n = k r, k = `stiffness`, as k grows.
+
+    The displacement and zones are those of k = infinity: stick for x < a, slip for a < x < b, lifted off for x > b, with
+
+        w = -opening (x - b)_+^3,    p = load (b - x)_+^3,    s = ut (x - a)_+^3,    tau = mu_c p - reserve (a - x)_+^2,
+
+    a piecewise polynomial of degree 4.  Loads and Dirichlet values belong to it; the displacement u_k of the problem that comes
+    with it differs from it by O(1/k).
+
+    Raises ProblemError as `ThreeZones` does, and for a stiffness that is not positive.
+    """
+    if not stiffness > 0:
+        raise ProblemError(f"stiffness is {stiffness!r}; it must be positive")
+    soft = ThreeZones(stiffness=stiffness, coefficient=coefficient, ends=ends, un=load / stiffness, ut=ut, reserve=reserve)
+    (foundation,), material, (a, b) = soft.problem.foundation, soft.problem.material, ends
+    pressure = load * Positive(b - x, 3)
+    u = _Traces(un=-opening * Positive(x - b, 3), ut=ut * Positive(x - a, 3), pressure=pressure,
+                shear=coefficient * pressure - reserve * Positive(a - x, 2)).Displacement(material, 2)
+    problem = ContactProblem(material, foundation, dirichlet={f"{WALLS[2]}|top": u}, bodyforce=BodyForce(material, u))
+    return Exact(problem, u, soft.zones)
+
+
 def Positive(distance, power):
     """(distance)_+^power, an integer power of the positive part that NGSolve differentiates piece by piece."""
     return IfPos(distance, distance ** power, 0)

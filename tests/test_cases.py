@@ -7,7 +7,7 @@ import pytest
 from dense import DenseNewton
 
 from ngdgc import LDG, Conforming, CoulombFriction, Discretization, InteriorPenalty, UzawaSolver
-from ngdgc.cases import conmech_nonmonotone, greco_plate, rigid_foundation
+from ngdgc.cases import breaking_beam, greco_plate, rigid_limit
 from ngdgc.errors import EnergyError, L2Error, Rates
 from ngdgc.exact import CubicCompliance, WinklerColumn
 from ngdgc.graph import STICK, Distance
@@ -82,20 +82,20 @@ def test_plate_of_the_greco_group(some):
 def test_beam_on_a_foundation_that_breaks(some):
     """Two solutions of one problem: unbroken, with the values of the peer where there is no friction, and broken."""
     def Unbroken(friction):
-        mesh = conmech_nonmonotone.Mesh(8)
-        disc = Discretization(conmech_nonmonotone.Problem(np.inf, friction), some, mesh, order=2)
+        mesh = breaking_beam.Mesh(8)
+        disc = Discretization(breaking_beam.Problem(np.inf, friction), some, mesh, order=2)
         solution = DenseNewton(disc, scale=20.0)
-        law = Discretization(conmech_nonmonotone.Problem(0.1, friction), some, mesh, order=2).contact
+        law = Discretization(breaking_beam.Problem(0.1, friction), some, mesh, order=2).contact
         return solution, Distance(law, solution.displacement, solution.traction).distance.max()
 
     frictionless, distance = Unbroken(0.0)
     assert distance < 1e-10 and frictionless.penetration.max() == pytest.approx(0.0447, rel=0.01)
-    for x, peer in conmech_nonmonotone.PEER.items():
+    for x, peer in breaking_beam.PEER.items():
         assert -frictionless.At(x, 0) == pytest.approx(peer, abs=2e-3)
     rubbing, distance = Unbroken(8.0)
     assert distance < 1e-10
     assert np.all(rubbing.At(2, 0)[0] > 0.7 * frictionless.At(2, 0)[0])      # displacements are negative: held back
-    broken = conmech_nonmonotone.Main(method=some, order=2, n=8)
+    broken = breaking_beam.Main(method=some, order=2, n=8)
     assert broken.converged and broken.penetration.max() > 1 and broken.ZoneLengths()["separation"] > 1.5
 
 
@@ -106,7 +106,7 @@ def test_rate_towards_the_rigid_foundation(some):
         def Solve(self, disc, callback):
             return DenseNewton(disc, scale=2500.0)
 
-    errors, rates = rigid_foundation.Study(stiffnesses, method=some, solver=Solver())
+    errors, rates = rigid_limit.Study(stiffnesses, method=some, solver=Solver())
     assert rates == pytest.approx(1, abs=0.05) and rates[-1] == pytest.approx(1, abs=1e-3)
     assert errors[-1] < 1e-9 * errors[0] * 1e4
     # Control: towards the limit of a problem with another friction coefficient nothing converges.
@@ -120,5 +120,5 @@ def test_rate_towards_the_rigid_foundation(some):
 
 def test_study_of_the_rigid_foundation_takes_a_solver():
     """The explicit iteration does soft ones: the error falls, not yet like 1/k."""
-    errors, rates = rigid_foundation.Study([250, 1000], method=Conforming(), solver=UzawaSolver(tol=1e-8))
+    errors, rates = rigid_limit.Study([250, 1000], method=Conforming(), solver=UzawaSolver(tol=1e-8))
     assert errors[1] < errors[0] and 0 < rates[0] < 0.5

@@ -55,7 +55,7 @@ def test_every_option_reaches_the_solution(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("arguments, culprit", [
-    (["run", "exmaple_4_1"], "no case 'exmaple_4_1': neither a file nor one of example_4_1, example_4_2"),
+    (["run", "exmaple_4_1"], "no case 'exmaple_4_1': neither a file nor one of breaking_beam, example_4_1, example_4_2"),
     (["run", "cases/missing.py"], "no case 'cases/missing.py'"), (["run", "elsewhere/example_4_1.py"], "no case 'elsewhere"),
     (["run", CASE, "--method", "ipp"], "no method 'ipp'; choose one of ip, bassi, brezzi, ldg, nipg, iipg, h1"),
     (["run", CASE, "--n", "many"], "'many' is not a positive integer"),

@@ -75,9 +75,9 @@ def CheckUniqueness(disc, *, depth=None, slip=None):
     if depth is None or slip is None:
         free = contact.Displacement(disc.FreeSolution())
         least = 1e-3 * np.ptp(contact.coordinates, axis=0).max()
-        depth = depth or max(contact.Penetration(free).max(), least)
-        slip = slip or max(contact.Slip(free).max(), least)
-    reports = tuple(CheckLaws(compliance, friction, depth=float(depth), slip=float(slip), npoints=here.stop - here.start)
+        depth = max(contact.Penetration(free).max(), least) if depth is None else depth
+        slip = max(contact.Slip(free).max(), least) if slip is None else slip
+    reports = tuple(CheckLaws(compliance, friction, depth=depth, slip=slip, npoints=here.stop - here.start)
                     for _, here, compliance, friction in contact.parts)
     decrease, bound, weakening = (np.concatenate([getattr(report, name) for report in reports])
                                   for name in ("decrease", "friction", "weakening"))

@@ -253,3 +253,21 @@ def test_a_law_that_ends_at_some_penetration_has_its_pairs_below():
         assert np.any(p > 5) and np.all(r < 0.01 + roundoff)
         assert r[p > 1e-12] == pytest.approx(-np.expm1(-p[p > 1e-12]) / 100, abs=roundoff)
         assert at.traction + gamma * at.displacement == pytest.approx(q, abs=1e-12)
+
+
+def test_distance_to_a_law_that_is_not_monotone_vanishes_on_its_graph():
+    """p_n = 50 r up to r = 0.1 and 0 beyond: the line through a pair before the drop meets the graph beyond it, too."""
+    contact, _ = Setting(2, (50.0, 1), "none")
+    (foundation, here, _, friction), = contact.parts
+    drop = SimpleNamespace(Pressure=lambda r: np.where((r > 0) & (r < 0.1), 50 * r, 0),
+                           PressureDerivative=lambda r: np.where((r > 0) & (r < 0.1), 50.0, 0))
+    broken = SimpleNamespace(**{name: getattr(contact, name) for name in ("weights", "normals", "gap", "Normal", "Tangential",
+                                                                          "Penetration", "dim")},
+                             parts=[(foundation, here, drop, friction)])
+    r = np.linspace(-0.1, 0.3, len(contact.weights))
+    u, t = (r + contact.gap)[:, None] * contact.normals, drop.Pressure(r)[:, None] * contact.normals
+    found = Distance(broken, u, t)
+    assert found.distance.max() < 1e-13
+    assert np.array_equal(found.zones == SEPARATION, drop.Pressure(r) == 0)
+    # Control: half the pressure is no pair.
+    assert np.all(Distance(broken, u, t / 2).distance[drop.Pressure(r) > 1] > 1e-2)

@@ -9,8 +9,8 @@ Source: Example 4.1 of Xiao, Wang, Han, Numer. Funct. Anal. Optim. 2018, which s
 
 from ngsolve import CF, y
 
-from ngdgc import (ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance,
-                   TrescaFriction, UzawaSolver)
+from ngdgc import (ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NestedNewtonSolver,
+                   NormalCompliance, TrescaFriction)
 from ngdgc.meshes import RectangleMesh
 
 
@@ -24,6 +24,7 @@ def Mesh(n=16, cells="triangle"):
     return RectangleMesh(n, lower=(0, 0.05), upper=(1, 1.05), cells=cells)
 
 
-def Main(*, method=InteriorPenalty(), order=1, n=16, plane="stress", cells="triangle", solver=UzawaSolver(), callback=None):
+def Main(*, method=InteriorPenalty(), order=1, n=16, plane="stress", cells="triangle", solver=NestedNewtonSolver(),
+         callback=None):
     disc = Discretization(Problem(plane), method, Mesh(n, cells), order=order)
     return solver.Solve(disc, callback=callback)

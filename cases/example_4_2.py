@@ -8,8 +8,8 @@ Source: Example 4.2 of Xiao, Wang, Han, Numer. Funct. Anal. Optim. 2018.
 
 from ngsolve import CF
 
-from ngdgc import (ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance,
-                   TrescaFriction, UzawaSolver)
+from ngdgc import (ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NestedNewtonSolver,
+                   NormalCompliance, TrescaFriction)
 from ngdgc.meshes import RectangleMesh
 
 
@@ -23,6 +23,7 @@ def Mesh(n=16, cells="triangle"):
     return RectangleMesh(n, cells=cells)
 
 
-def Main(*, method=InteriorPenalty(), order=1, n=16, plane="stress", cells="triangle", solver=UzawaSolver(), callback=None):
+def Main(*, method=InteriorPenalty(), order=1, n=16, plane="stress", cells="triangle", solver=NestedNewtonSolver(),
+         callback=None):
     disc = Discretization(Problem(plane), method, Mesh(n, cells), order=order)
     return solver.Solve(disc, callback=callback)

@@ -5,18 +5,23 @@ from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .foundation import (ComplianceLaw, CoulombFriction, Foundation, FrictionLaw, NormalCompliance, PowerFriction,
                          SlipWeakeningFriction, TrescaFriction)
+from .hypotheses import CheckLaws
 from .lifting import Lifting
 from .methods import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInteriorPenalty, InteriorPenalty,
                       NonsymmetricInteriorPenalty)
 from .problem import ContactProblem
 from .solution import ContactSolution
-from .solvers import Contraction, EstimateContraction, UzawaSolver
+from .solvers import Contraction, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
+from .solvers import Solve as Solve
+from .uniqueness import CheckUniqueness
 
 __version__ = "0.1.0"
 
-# What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for.
-__all__ = ["LDG", "AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "ComplianceLaw", "Conforming", "ContactProblem",
-           "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction", "Foundation",
-           "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "Lifting",
-           "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction", "ProblemError",
-           "SlipWeakeningFriction", "SolveInterrupted", "TrescaFriction", "UzawaSolver"]
+# What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for; and not
+# Solve, because NGSolve's own Solve(disc) does the same.
+__all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
+           "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
+           "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting",
+           "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction",
+           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "SolveInterrupted", "TrescaFriction",
+           "UzawaSolver"]

@@ -84,9 +84,11 @@ def _AddRun(commands):
     run.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
     run.add_argument("--plane", help="stress or strain (default: the case's own)")
     run.add_argument("--cells", help="triangle, triangle-flipped or quad (default: the case's own)")
-    run.add_argument("--rho", default="auto", type=NumberOrAuto, help="step of Uzawa's friction update: auto or a number")
+    run.add_argument("--solver", default="auto", help="auto (Newton on nested meshes), newton (this mesh alone) or uzawa (the "
+                     "paper's iteration); default auto")
+    run.add_argument("--rho", type=NumberOrAuto, help="step of Uzawa's friction update: auto (default) or a number")
     run.add_argument("--tol", type=Finite, default=1e-10, help="relative tolerance of the iteration (default 1e-10)")
-    run.add_argument("--maxiter", type=Positive, default=10000, help="limit of iterations (default 10000)")
+    run.add_argument("--maxiter", type=Positive, help="limit of iterations (default 10000 for uzawa, 100 for newton)")
     run.add_argument("--scale", type=Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
     run.set_defaults(command=Run)
@@ -172,7 +174,6 @@ def Stability(options):
 def _CaseArguments(case, options):
     """Keyword arguments for the case's Main; an option that the case does not know is an error."""
     from .methods import METHODS
-    from .solvers import UzawaSolver
 
     if options.method not in METHODS:
         raise ProblemError(f"no method {options.method!r}; choose one of {', '.join(METHODS)}")
@@ -181,8 +182,7 @@ def _CaseArguments(case, options):
         if getattr(options, name) != default and not row.discontinuous:
             raise ProblemError(f"--{name} does not apply to method {options.method!r}")
     method = row(penalty=options.penalty, form=options.form) if row.discontinuous else row()
-    arguments = {"method": method, "order": options.order, "n": options.n,
-                 "solver": UzawaSolver(tol=options.tol, maxiter=options.maxiter, rho=options.rho)}
+    arguments = {"method": method, "order": options.order, "n": options.n, "solver": _Solver(options)}
     known = inspect.signature(case.Main).parameters
     for name in ("plane", "cells"):
         value = getattr(options, name)
@@ -191,6 +191,22 @@ def _CaseArguments(case, options):
                 raise ProblemError(f"--{name} does not apply to this case")
             arguments[name] = value
     return arguments
+
+
+def _Solver(options):
+    """The solver of the options; one that the solver does not know is an error."""
+    from .solvers import NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
+
+    known = {"auto": (NestedNewtonSolver, ()), "newton": (SemismoothNewtonSolver, ("maxiter",)),
+             "uzawa": (UzawaSolver, ("maxiter", "rho"))}
+    if options.solver not in known:
+        raise ProblemError(f"no solver {options.solver!r}; choose one of {', '.join(known)}")
+    solver, names = known[options.solver]
+    given = {name: getattr(options, name) for name in ("maxiter", "rho") if getattr(options, name) is not None}
+    for name in given:
+        if name not in names:
+            raise ProblemError(f"--{name} does not apply to solver {options.solver!r}")
+    return solver(tol=options.tol, **given)
 
 
 if __name__ == "__main__":

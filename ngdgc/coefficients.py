@@ -59,6 +59,11 @@ def RegionName(region, name):
     return region
 
 
+def Pointwise(law):
+    """True if some datum of the law is a CoefficientFunction, so that it can be evaluated only at points."""
+    return any(isinstance(value, CoefficientFunction) for value in getattr(law, "__dict__", {}).values())
+
+
 def CheckNumber(value, name, *, above=None, least=None):
     """Range check of plain numbers; CoefficientFunctions are checked where they are evaluated."""
     if IsNumber(value):

@@ -12,7 +12,8 @@ from ngsolve import VOL, ElementId
 from .coefficients import ValuesAt
 from .exceptions import ProblemError
 from .facets import BoundaryQuadrature
-from .foundation import CheckCompliance, CheckFriction, LawAt, SlipFactor
+from .foundation import LawAt
+from .hypotheses import CheckCompliance, CheckFriction, SlipFactor
 
 
 def Scale(vectors):

@@ -206,7 +206,14 @@ class Discretization:
             target.data = self.matrix * source
         return target.FV().NumPy().copy()
 
-    def Solve(self, load):
+    # Set by the solvers, which are built on this class.
+    defaultsolver = None
+
+    def Solve(self, **options):
+        """The ContactSolution by the default solver, `ngdgc.Solve(disc, ...)`; NGSolve's own `Solve(disc)` calls this."""
+        return type(self).defaultsolver(self, **options)
+
+    def SolveLinear(self, load):
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""
         return self.ApplyInverse(self.inverse, load)
 
@@ -223,7 +230,7 @@ class Discretization:
         """u with B_h(u, v) = (f, v): the response to the loads without foundation, (ndof,)."""
         lift = self.prescribed
         load = self.load - self.Multiply(lift) if np.any(lift) else self.load
-        free = lift + self.Solve(load)
+        free = lift + self.SolveLinear(load)
         if not np.all(np.isfinite(free)):
             raise ProblemError("the elastic matrix cannot be factorised: the response to the loads is not finite; look for "
                                "coefficients of extreme size and for degenerate elements")
@@ -231,4 +238,4 @@ class Discretization:
 
     def Response(self, traction):
         """S t = A^-1 T' W t, the displacement caused by a traction t (n, d) on Gamma_C, as coefficients (ndof,)."""
-        return self.Solve(self.contact.Load(traction))
+        return self.SolveLinear(self.contact.Load(traction))

@@ -1,18 +1,21 @@
-"""Problems with known solutions, to test any method, order and mesh against.
+"""Problems with known solutions, to test any method, order and mesh against; more, also for laws of your own, in `traces`.
 
-Each function returns an `Exact`: a ContactProblem on a rectangle or a box with contact on "bottom", and its displacement.
+Each function returns an `Exact`: a ContactProblem on a rectangle or a box with contact on "bottom", its displacement and zones.
 Rectangles come from `meshes.RectangleMesh`, whose sides are "bottom", "right", "top", "left"; boxes from `meshes.BoxMesh`, with
 "bottom", "top" (z = 0, 1), "back", "front" (x = 0, 1) and "left", "right" (y = 0, 1).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from ngsolve import CF, Sym, exp, specialcf, x, y, z
 
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
 from .foundation import CoulombFriction, Foundation, FrictionLaw, NormalCompliance, TrescaFriction
+from .graph import SEPARATION, SLIP, STICK
 from .problem import ContactProblem
 
 WALLS = {2: "left|right", 3: "back|left|front|right"}      # all but bottom and top
@@ -21,10 +24,20 @@ OBLIQUE = 0.6, 0.8      # direction of the tangential displacement on Gamma_C in
 
 @dataclass(frozen=True)
 class Exact:
-    """A problem and its exact displacement (CoefficientFunction, d components) [length]."""
+    """A problem, its exact displacement (CoefficientFunction, d components) [length], and its zones.
+
+    `zones` maps points of Gamma_C (n, d) to SEPARATION, STICK or SLIP of `ngdgc.graph`, (n,), to be compared with
+    `ContactSolution.zones`.
+    """
 
     problem: ContactProblem
     displacement: Any
+    zones: Callable
+
+
+def _Everywhere(zone):
+    """The zones of a Gamma_C that is of one kind."""
+    return lambda points: np.full(len(points), zone)
 
 
 def ExactStrain(u):
@@ -49,7 +62,8 @@ def _Plane(ut, un, dim):
     return CF((ut, un)) if dim == 2 else CF((OBLIQUE[0] * ut, OBLIQUE[1] * ut, un))
 
 
-def _CheckDimension(dim):
+def CheckDimension(dim):
+    """Raise ProblemError unless dim is 2 or 3."""
     if dim not in (2, 3):
         raise ProblemError(f"dim is {dim!r}; choose 2 or 3")
 
@@ -66,7 +80,7 @@ def AffinePatch(zone, *, material=None, stiffness=100.0, exponent=1, bound=3.0, 
 
     Raises ProblemError for an unknown zone, `sides` or dimension.
     """
-    _CheckDimension(dim)
+    CheckDimension(dim)
     material = material or HookeMaterial(mu=1000.0, lam=1500.0)
     law = NormalCompliance(stiffness, exponent)
     friction = TrescaFriction(bound) if coulomb is None else CoulombFriction(coulomb)
@@ -81,7 +95,8 @@ def AffinePatch(zone, *, material=None, stiffness=100.0, exponent=1, bound=3.0, 
     height = y if dim == 2 else z
     u = _Plane(c + s * height, -w - e * height, dim)
     foundation = Foundation("bottom", law, friction=friction, gap=gap)
-    return Exact(ContactProblem(material, foundation, **_Supports(material, u, sides)), u)
+    zones = {"slip": SLIP, "stick": STICK, "open": SEPARATION}
+    return Exact(ContactProblem(material, foundation, **_Supports(material, u, sides)), u, _Everywhere(zones[zone]))
 
 
 def _Supports(material, u, sides):
@@ -95,19 +110,25 @@ def _Supports(material, u, sides):
     raise ProblemError(f"sides is {sides!r}; choose 'dirichlet', 'traction' or 'roller'")
 
 
-def WinklerColumn(*, stiffness=100.0, exponent=1, material=None, gap=0.1, pressure=20.0, height=1.0):
-    """B1: a column between rollers, its top pressed down by d; u_y is linear.
+def WinklerColumn(*, stiffness=100.0, exponent=1, material=None, gap=0.1, pressure=20.0, height=1.0, load="displacement"):
+    """B1: a column of height H between rollers, pressed down at its top; u_y is linear.
 
-    With P = `pressure` on Gamma_C, u_n = g + (P/k)^(1/m) there and the top moves by d = u_n + P H/(lam + 2 mu).  For m = 1 the
-    contraction number of the explicit iteration is k H/(lam + 2 mu).
+    With P = `pressure` on Gamma_C, u_n = g + (P/k)^(1/m) there and the top moves by d = u_n + P H/(lam + 2 mu).  The `load` on
+    the top is "displacement", u_y = -d, for which at m = 1 the contraction number of the explicit iteration is
+    k H/(lam + 2 mu), or "pressure", P, when the foundation alone holds the column and A is singular.
+
+    Raises ProblemError for an unknown load.
     """
+    if load not in ("displacement", "pressure"):
+        raise ProblemError(f"load is {load!r}; choose 'displacement' or 'pressure'")
     material = material or HookeMaterial(mu=1000.0, lam=1500.0)
     depth = gap + (pressure / stiffness) ** (1 / exponent)
-    u = CF((0, -depth - pressure / (material.lam + 2 * material.mu) * y))
+    rate = pressure / (material.lam + 2 * material.mu)
+    top = ({"dirichlet": {"top": CF((0, -depth - rate * height))}} if load == "displacement"
+           else {"traction": {"top": CF((0, -pressure))}})
     problem = ContactProblem(material, Foundation("bottom", NormalCompliance(stiffness, exponent), gap=gap),
-                             dirichlet={"top": CF((0, -depth - pressure / (material.lam + 2 * material.mu) * height))},
-                             roller={"left|right": 0})
-    return Exact(problem, u)
+                             roller={"left|right": 0}, **top)
+    return Exact(problem, CF((0, -depth - rate * y)), _Everywhere(SLIP))
 
 
 def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
@@ -120,7 +141,7 @@ def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
 
     Raises ProblemError for mu <= 1 or lam <= 0, which would need a foundation that pulls, and for an unknown dimension.
     """
-    _CheckDimension(dim)
+    CheckDimension(dim)
     if not (mu > 1 and lam > 0):
         raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; the foundation pushes for mu > 1 and lam > 0 only")
     material = HookeMaterial(mu=mu, lam=lam)
@@ -131,14 +152,14 @@ def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
     foundation = Foundation("bottom", NormalCompliance(stiffness, exponent), gap=-(pressure / stiffness) ** (1 / exponent),
                             friction=CoulombFriction(mu * s ** 2 * (lam + 2) / (6 * (1 + lam)) / pressure))
     problem = ContactProblem(material, foundation, dirichlet={f"{WALLS[dim]}|top": u}, bodyforce=BodyForce(material, u))
-    return Exact(problem, u)
+    return Exact(problem, u, _Everywhere(SLIP))
 
 
 def CubicCompliance(*, E=12000.0, nu=0.42, alpha=0.05, friction: FrictionLaw | None = None):
     """B5: u = alpha (2xy + x y^2, -x^2 (1 + y)) on (0,2) x (0,1), after an example of the program conmech.
 
     u = 0 on x = 0, u_t = 0 and sigma_t = 0 on the contact side, p_n(r) = (lam + 2 mu) r with gap 0: a solution for any
-    friction law, and exact for orders of at least 3.  The foundation is too stiff for an explicit iteration.
+    friction law that has a bound, and exact for orders of at least 3.  The foundation is too stiff for an explicit iteration.
     """
     material = HookeMaterial(E=E, nu=nu)
     u = alpha * CF((2 * x * y + x * y ** 2, -x ** 2 * (1 + y)))
@@ -146,4 +167,5 @@ def CubicCompliance(*, E=12000.0, nu=0.42, alpha=0.05, friction: FrictionLaw | N
     problem = ContactProblem(material, foundation,
                              dirichlet={"left": CF((0, 0))}, traction={"right|top": Traction(material, u)},
                              bodyforce=BodyForce(material, u))
-    return Exact(problem, u)
+    # Without friction nothing resists a slip, and every point in contact counts as slipping.
+    return Exact(problem, u, _Everywhere(SLIP if friction is None else STICK))

@@ -12,8 +12,9 @@ from typing import Any
 import numpy as np
 from ngsolve import CoefficientFunction
 
-from .coefficients import CheckNumber, CheckRange, IsNumber, RegionName, Scalar, ValuesAt
+from .coefficients import CheckNumber, CheckRange, IsNumber, Pointwise, RegionName, Scalar, ValuesAt
 from .exceptions import ProblemError
+from .hypotheses import CheckCompliance, CheckFriction, CheckLaws
 
 
 def LawAt(law, points, name=""):
@@ -30,11 +31,6 @@ def LawAt(law, points, name=""):
     return law
 
 
-def Pointwise(law):
-    """True if some datum of the law is a CoefficientFunction, so that it can be evaluated only at points."""
-    return any(isinstance(value, CoefficientFunction) for value in getattr(law, "__dict__", {}).values())
-
-
 class ComplianceLaw:
     """Normal compliance -sigma_n = p_n(r), r = u_n - g the penetration [length], p_n >= 0 [stress].
 
@@ -46,6 +42,14 @@ class ComplianceLaw:
 
     def PressureDerivative(self, r):
         raise NotImplementedError
+
+    def Check(self, *, depth=1.0):
+        """The `LawReport` for penetrations up to `depth` [length]: (2.13), Lipschitz constant, monotone or not.
+
+        >>> NormalCompliance(stiffness=3, exponent=0.5).Check().problems
+        ('p_n is not Lipschitz',)
+        """
+        return CheckLaws(self, depth=depth)
 
 
 class FrictionLaw:
@@ -59,23 +63,18 @@ class FrictionLaw:
     def Bound(self, r, p):
         raise NotImplementedError
 
+    def Check(self, compliance, *, depth=1.0, slip=1.0):
+        """The `LawReport` for penetrations up to `depth` and slips up to `slip` [length].
 
-def BoundDerivatives(law, r, p):
-    """(d Bound/dr, d Bound/dp) of a friction law at points, two arrays (npoints,)."""
-    if hasattr(law, "BoundDerivatives"):
-        return tuple(np.broadcast_to(derivative, np.shape(r)) for derivative in law.BoundDerivatives(r, p))
-    bound, derivatives = law.Bound(r, p), []
-    for values, shifted in ((r, lambda h: law.Bound(r + h, p)), (p, lambda h: law.Bound(r, p + h))):
-        h = 1e-7 * np.maximum(np.abs(values), 1e-8 * (np.abs(values).max(initial=0) or 1))
-        derivatives.append((shifted(h) - bound) / h)
-    return tuple(derivatives)
+        The bound is a function of the penetration, as (2.13) has it, only with the pressure p_n(r) of a `compliance` law.
 
-
-def SlipFactor(law, slip):
-    """(Coefficient, its derivative) of a friction law at slips s >= 0, two arrays (npoints,)."""
-    if not hasattr(law, "Coefficient"):
-        return np.ones_like(slip), np.zeros_like(slip)
-    return tuple(np.broadcast_to(value, np.shape(slip)) for value in law.Coefficient(slip))
+        >>> print(CoulombFriction(0.3).Check(NormalCompliance(10)))
+        laws for penetrations up to 1 and slips up to 1:
+          p_n        Lipschitz, L_n = 10, monotone
+          p_t        Lipschitz, L_t = 3
+          (2.13)     holds
+        """
+        return CheckLaws(compliance, self, depth=depth, slip=slip)
 
 
 @dataclass(frozen=True)
@@ -233,8 +232,8 @@ class Foundation:
     distance g [length] along the outward normal, number or scalar CoefficientFunction.  The theory wants g >= 0
     (2.12); the formulas hold for negative g, a body that starts inside its foundation, and it is accepted.
 
-    Raises ProblemError if a law's derivative is not the derivative of its pressure, or the pressure is not
-    nonnegative and zero without penetration (2.13).
+    Raises ProblemError if a derivative that a law returns is not that of its pressure, bound or slip factor, if one of these
+    is negative, or if the pressure is not zero without penetration (2.13).
 
     >>> Foundation("bottom", NormalCompliance(450), friction=TrescaFriction(1), gap=0.05).gap
     0.05
@@ -259,41 +258,13 @@ class Foundation:
         if self.friction is not None and not Pointwise(self.friction):
             CheckFriction(self.friction, np.ones(1), np.ones(1), f"the foundation of {self.boundary!r}")
 
+    def Check(self, *, depth=1.0, slip=1.0):
+        """The `LawReport` of both laws for penetrations up to `depth` and slips up to `slip` [length]; see `CheckLaws`."""
+        return CheckLaws(self.compliance, self.friction, depth=depth, slip=slip)
+
 
 def _Has(law, *methods):
     """True if the law has these methods of its own, not those of the base classes that only say what is missing."""
     own = [getattr(type(law), method, None) for method in methods]
     return all(callable(method) and method not in (ComplianceLaw.Pressure, ComplianceLaw.PressureDerivative, FrictionLaw.Bound)
                for method in own)
-
-
-def CheckFriction(law, r, p, name):
-    bound = np.asarray(law.Bound(r, p))
-    if bound.shape != r.shape or not np.all(np.isfinite(bound)) or np.any(bound < 0):
-        raise ProblemError(f"{name}: the friction bound is negative, not finite, or not one value per point")
-
-
-def CheckCompliance(law, npoints, name):
-    """Check (2.13) and the derivative of a law at `npoints` points, for penetrations from 1e-6 to 1."""
-    for r in (-1.0, 0.0):
-        if np.any(law.Pressure(np.full(npoints, r)) != 0):
-            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; p_n(r) = 0 for r <= 0 (2.13)")
-    for r in np.logspace(-6, 0, 25):
-        at, h = np.full(npoints, r), 1e-5 * r
-        # The unit of length is unknown: a law may overflow, or not be defined, at penetrations that never occur.
-        with np.errstate(all="ignore"):
-            p, forward, backward = law.Pressure(at), law.Pressure(at + h), law.Pressure(at - h)
-            derivative = law.PressureDerivative(at)
-        if np.shape(p) != at.shape:
-            raise ProblemError(f"{name}: the pressure has shape {np.shape(p)} for {npoints} points; give one value per point")
-        if not np.all(np.isfinite([p, forward, backward, derivative])):
-            continue
-        if np.any(p < 0):
-            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative")
-        scale = np.abs(p) / r + np.abs(forward - backward) / (2 * h)
-        # Where the one-sided differences disagree the law has a kink or a jump, and any value will do.
-        smooth = np.abs(forward - 2 * p + backward) / h <= 1e-3 * scale
-        error = np.abs(derivative - (forward - backward) / (2 * h))
-        if np.any(smooth & (error > 1e-3 * scale)):
-            raise ProblemError(f"{name}: PressureDerivative differs from the finite difference of Pressure at "
-                               f"penetration {r:g}")

@@ -18,11 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from .exceptions import ProblemError
-from .foundation import BoundDerivatives, SlipFactor
+from .hypotheses import BoundDerivatives, SlipFactor
 
 SEPARATION, STICK, SLIP = 0, 1, 2
 ZONES = ("separation", "stick", "slip")
 STEPS = 200     # of the safeguarded iteration for one scalar equation; bisection alone needs 60
+LEAST = 1e-3    # scale of friction, relative to the tractions
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ class ContactGraph:
         friction = np.where(sliding, bound, length)
         traction = p[:, None] * normals + friction[:, None] * direction
         displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
-        if not (np.all(np.isfinite(traction)) and np.all(np.isfinite(displacement))):
+        if not all(np.all(np.isfinite(values)) for values in (traction, displacement, bound)):
             raise ProblemError("a contact law returned a value that is not finite; "
                                "look at its exponent and its data for the penetrations that occur")
         zones = np.where(p <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
@@ -113,30 +114,43 @@ def Distance(contact, displacement, traction):
     """How far displacement and traction (n, d) at the contact points are from the law; the same for soft and stiff foundations.
 
     Along (*) with gamma = t_s/u_s both coordinates of the graph are reached at once, and what is left, |u - U(q)|/u_s =
-    |t - t(q)|/t_s, is at most twice min(|t - p(u)|/t_s, |u - p^-1(t)|/u_s) for a monotone law, and at least half of it.  The
-    scales are those of `Scales`; for friction t_s is max p_t.
+    |t - t(q)|/t_s, is at most min(|t - p(u)|/t_s, |u - p^-1(t)|/u_s) for a monotone law, and at least half of it unless p'
+    passes t_s/u_s in between, as at the kink of a stiff law, where both terms of the minimum overrate the distance.  The scales
+    are those of `Scales`; for friction t_s is max p_t.
+
+    A law that is not monotone can have several points on the line (*), and the one found may be far off; then |t - p(u)|/t_s
+    is smaller, and taken.
     """
     uscale, tscale = Scales(contact, displacement, traction)
     r, t = contact.Penetration(displacement), contact.Normal(traction)
     slip, friction = contact.Tangential(displacement), contact.Tangential(traction)
     gamma = np.full(len(r), tscale / uscale)
-    depth, pressure, bound = (np.zeros(len(r)) for _ in range(3))
+    depth, pressure, bound, distance = (np.zeros(len(r)) for _ in range(4))
     for _, here, compliance, law in contact.parts:
         depth[here], pressure[here], _ = NormalPart(compliance, gamma[here], t[here] + gamma[here] * r[here])
+        above = compliance.Pressure(r[here])
+        straight = np.abs(t[here] - above) < gamma[here] * np.abs(r[here] - depth[here])
+        distance[here] = np.where(straight, np.abs(t[here] - above) / gamma[here], np.abs(r[here] - depth[here])) / uscale
+        depth[here], pressure[here] = np.where(straight, (r[here], above), (depth[here], pressure[here]))
         if law is not None:
             bound[here] = law.Bound(depth[here], pressure[here])
-    distance = np.abs(r - depth) / uscale
-    gamma = np.full(len(r), (bound.max(initial=0) or tscale) / uscale)
+    # Below a part LEAST of the tractions the scale would be that of their round-off.
+    gamma = np.full(len(r), (max(bound.max(initial=0), LEAST * tscale) if np.any(bound) else tscale) / uscale)
     q = friction + gamma[:, None] * slip
     length = np.linalg.norm(q, axis=1)
-    creep, limit = length / gamma, np.zeros(len(r))
+    creep, limit, above, slid = length / gamma, np.zeros(len(r)), np.zeros(len(r)), np.linalg.norm(slip, axis=1)
     for _, here, _, law in contact.parts:
         if law is not None:
             creep[here], factor, _ = SlipPart(law, gamma[here], bound[here], length[here])
             limit[here] = bound[here] * factor
+            above[here] = bound[here] * SlipFactor(law, slid[here])[0]
     sliding = length >= limit
     expected = np.where(sliding, creep, 0)[:, None] * q / np.where(length > 0, length, 1)[:, None]
-    distance = np.maximum(distance, np.linalg.norm(slip - expected, axis=1) / uscale)
+    along = np.linalg.norm(slip - expected, axis=1)
+    off = np.linalg.norm(friction - above[:, None] * slip / np.where(slid > 0, slid, 1)[:, None], axis=1) / gamma
+    straight = (off < along) & (slid > 0)
+    sliding |= straight
+    distance = np.maximum(distance, np.where(straight, off, along) / uscale)
     return GraphDistance(distance, np.where(pressure <= 0, SEPARATION, np.where(sliding, SLIP, STICK)))
 
 
@@ -170,16 +184,17 @@ def SlipPart(law, gamma, base, length):
 def Resolvent(Value, Derivative, gamma, q):
     """x >= 0 with Value(x) + gamma x = q where q > Value(0), by Newton's iteration inside a bracket; else min(q, 0)/gamma.
 
-    Arguments and results are arrays (n,); Value >= 0.
+    Arguments and results are arrays (n,); Value >= 0.  A Value that is finite nowhere gives nan.
     """
     start = np.zeros_like(q)
     with np.errstate(all="ignore"):
-        free = q > Value(start)
+        # A value that is not finite counts as too large: a law may end at some penetration.
+        free = ~(q <= Value(start))
         low, high = start, np.maximum(q, 0) / gamma
         x = high.copy()
         for _ in range(STEPS):
             excess = Value(x) + gamma * x - q
-            low, high = np.where(excess <= 0, x, low), np.where(excess > 0, x, high)
+            low, high = np.where(excess <= 0, x, low), np.where(excess <= 0, high, x)
             new = x - excess / (gamma + Derivative(x))
             new = np.where((new > low) & (new < high), new, 0.5 * (low + high))
             # A Newton step that leaves the bracket by round-off has converged.
@@ -187,4 +202,5 @@ def Resolvent(Value, Derivative, gamma, q):
             if np.all(done):
                 break
             x = np.where(done, x, new)
+        x = np.where(np.isfinite(Value(x)), x, np.where(low > 0, low, np.nan))
     return np.where(free, x, np.minimum(q, 0) / gamma)

@@ -2,8 +2,6 @@
 
 import json
 
-from .solvers import EstimateContraction
-
 
 class Progress:
     """A callback that shows every iteration: one line rewritten in a terminal, every tenth iteration in a file."""
@@ -36,11 +34,8 @@ def WriteResults(solution, folder, *, scale=1.0):
     from .export import WriteHTML, WriteVTK
     from .plots import ContactFigure, DeformedFigure, HistoryFigure, SettingFigure
 
-    number = EstimateContraction(solution.disc, solution.penetration).normal
-    note = f"Contraction number |p_n' S_nn| of the explicit iteration: {number:.3g} (it converges below 1)\n"
-    (folder / "report.txt").write_text(solution.Report() + note, encoding="utf-8")
-    summary = {**solution.ToJSON(), "contraction_number": number}
-    (folder / "report.json").write_text(json.dumps(summary, indent=2) + "\n", encoding="utf-8")
+    (folder / "report.txt").write_text(solution.Report(), encoding="utf-8")
+    (folder / "report.json").write_text(json.dumps(solution.ToJSON(), indent=2) + "\n", encoding="utf-8")
     solution.Save(folder / "solution")
     WriteHTML(solution, folder / "solution.html", scale=scale)
     WriteVTK(solution, folder / "solution.vtu")

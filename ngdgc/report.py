@@ -19,7 +19,7 @@ def Summary(solution):
         "iterations": len(solution.history),
         "change": last.change if last else None, "law_residual": last.residual if last else None,
         "solves": last.solves if last else None, "seconds": last.seconds if last else None,
-        "contraction": asdict(solution.rates),
+        "contraction": asdict(solution.rates), "levels": [asdict(level) for level in solution.levels],
         "elastic_energy": solution.energy, "normal_force": solution.normalforce,
         "zones": solution.ZoneLengths(),
         "penetration": _Range(solution.penetration), "pressure": _Range(solution.pressure),
@@ -59,12 +59,17 @@ def _Iteration(numbers):
     return [numbers["solver"],
             f"  {state}, {numbers['iterations']} iterations, {numbers['solves']} linear solves, {numbers['seconds']:.2f} s",
             f"  last change {numbers['change']:.1e}, distance to the contact law {numbers['law_residual']:.1e}",
-            *_Rates(numbers["contraction"])]
+            *_Rates(numbers["contraction"]), *_Levels(numbers["levels"])]
 
 
 def _Rates(rates):
     found = [f"{name} {rates[name]:.4g}" for name in ("predicted", "observed") if rates[name] is not None]
     return [f"  contraction per iteration: {', '.join(found)}"] if found else []
+
+
+def _Levels(levels):
+    return [f"  mesh {number}: {level['dofs']} unknowns, {level['points']} contact points, {level['iterations']} iterations, "
+            f"{level['solves']} linear solves, {level['seconds']:.2f} s" for number, level in enumerate(levels, start=1)]
 
 
 def _Contact(numbers):

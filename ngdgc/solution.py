@@ -54,6 +54,21 @@ def ObservedRate(history):
     return float((changes[-1] / changes[-1 - count]) ** (1 / count))
 
 
+@dataclass(frozen=True)
+class Level:
+    """What one mesh of a nested iteration took: its size, iterations, applications of an inverse, and seconds.
+
+    The seconds contain matrix and factorisation.
+    """
+
+    elements: int
+    dofs: int
+    points: int
+    iterations: int
+    solves: int
+    seconds: float
+
+
 class ContactSolution:
     """Displacement and contact traction of a discrete problem.
 
@@ -64,6 +79,7 @@ class ContactSolution:
     traction : (n, d) traction t = p_n n + p_t lambda that the body exerts on the foundations at the n contact points [stress];
         the traction on the body is -t
     history : list of Step;  converged : bool;  solver : its text
+    levels : list of Level, one for each mesh of a nested iteration, the last one the solution's own; empty for other solvers
 
     Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
     (n,) come with them.
@@ -72,6 +88,7 @@ class ContactSolution:
     def __init__(self, disc, vector, traction, *, history=(), converged=True, solver="", Predict=None):
         self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
         self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
+        self.levels = []
 
     def __repr__(self):
         state = "converged" if self.converged else "not converged"

@@ -83,7 +83,8 @@ def test_slip_patch_is_exact_for_stiff_and_nonlinear_foundations(stiffness, expo
     for solver in FAST:
         solution = solver.Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(3), order=1))
         expected = np.array([exact.displacement(solution.disc.mesh(*point)) for point in solution.points])
-        assert solution.displacement == pytest.approx(expected, abs=1e-8)
+        # On a foundation far stiffer than the body its top moves by hundreds; the tolerance is relative to that.
+        assert solution.displacement == pytest.approx(expected, abs=1e-9 * max(1, np.abs(solution.At(0.5, 1)).max()))
         assert solution.ZoneLengths()["slip"] == pytest.approx(1)
 
 

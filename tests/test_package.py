@@ -18,13 +18,14 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
 LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "storage", "meshes"],
-          ["elasticity", "foundation"],
+          ["hypotheses"], ["elasticity", "foundation"],
           ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"], ["graph"],
-          ["fluxes", "resultants"], ["solution"], ["solvers.driver"], ["solvers.contraction", "solvers.steps"],
-          ["solvers.uzawa"], ["solvers.__init__"], ["__init__"], ["exact", "export", "plots.curves", "variants"],
-          ["errors", "plots.canvas"], ["lemmas"], ["consistency"],
+          ["fluxes", "resultants", "compliance", "coarsening"], ["solution"],
+          ["solvers.driver", "solvers.recycling"], ["solvers.contraction", "solvers.steps"],
+          ["solvers.uzawa", "solvers.newton"], ["solvers.nested"], ["solvers.__init__"], ["uniqueness"], ["__init__"],
+          ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
           ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"],
           ["plots.__init__"],
           ["bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]

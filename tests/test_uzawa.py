@@ -93,7 +93,7 @@ def test_iterates_are_those_of_the_paper(method):
         interpolated = _FacetwiseLinear(disc, multiplier)
         normal = LinearForm(kn * IfPos(gfu * n - gap, gfu * n - gap, 0) * (v * n) * bottom).Assemble()
         tangential = LinearForm(kt * interpolated * v[0] * bottom).Assemble()
-        gfu.vec.FV().NumPy()[:] = free - disc.Solve(normal.vec.FV().NumPy() + tangential.vec.FV().NumPy())
+        gfu.vec.FV().NumPy()[:] = free - disc.SolveLinear(normal.vec.FV().NumPy() + tangential.vec.FV().NumPy())
     ours = disc.contact.Displacement(_Last(disc, rho))
     assert ours == pytest.approx(np.asarray(gfu(disc.contact.inside)), abs=1e-12)
     assert ours != pytest.approx(np.asarray(disc.contact.Displacement(_Last(disc, 0.9 * rho))), abs=1e-6)

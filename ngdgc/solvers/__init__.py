@@ -1,5 +1,9 @@
 """Iterations for the contact problem: one driver, one module per iteration."""
 
+from ..discretization import Discretization
 from .contraction import Contraction, EstimateContraction
+from .nested import NestedNewtonSolver, Solve
 from .newton import SemismoothNewtonSolver
 from .uzawa import UzawaSolver
+
+Discretization.defaultsolver = staticmethod(Solve)

@@ -42,8 +42,8 @@ def EstimateContraction(disc, penetration, *, step=0.0, maxiter=12, tol=1e-3):
     weights = contact.weights[:, None]
     start = _Start(contact)
     normal, tangent = stiffness * contact.Normal(start)[:, None], contact.Tangential(start)
-    return Contraction(normal=_LargestEigenvalue(Normal, normal, weights, maxiter, tol),
-                       friction=0.5 * _LargestEigenvalue(Tangential, step * tangent, weights, maxiter, tol))
+    return Contraction(normal=LargestEigenvalue(Normal, normal, weights, maxiter, tol),
+                       friction=0.5 * LargestEigenvalue(Tangential, step * tangent, weights, maxiter, tol))
 
 
 def _Start(contact):
@@ -54,7 +54,7 @@ def _Start(contact):
 def ComplianceNorm(disc, *, maxiter=12, tol=1e-3):
     """|S| in L2(Gamma_C) [length/stress], from below and to about 5 %, by at most `maxiter` applications of A^-1."""
     contact = disc.contact
-    return _LargestEigenvalue(lambda traction: contact.Displacement(disc.Response(traction)), _Start(contact),
+    return LargestEigenvalue(lambda traction: contact.Displacement(disc.Response(traction)), _Start(contact),
                               contact.weights[:, None], maxiter, tol)
 
 
@@ -99,7 +99,7 @@ def ContractionFactor(disc, step, state, maxiter):
     return float(np.abs(values[(shares > 1e-6) & (np.abs(values - 1) > 1e-6)]).max(initial=0))
 
 
-def _LargestEigenvalue(Apply, start, weights, maxiter, tol):
+def LargestEigenvalue(Apply, start, weights, maxiter, tol):
     """Lanczos for an operator that is self-adjoint and nonnegative in the inner product sum weights a b."""
     def Product(a, b):
         return float(np.sum(weights * a * b))

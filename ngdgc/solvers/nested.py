@@ -1,22 +1,116 @@
-"""Nested iteration: coarser problems whose only gift to the next is (u, t) along Gamma_C."""
+"""Nested iteration with Newton's method: the solver that needs no choices."""
+
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from ngsolve import Mesh
 from scipy.spatial import cKDTree
 
 from ..coarsening import CoarserMesh
 from ..discretization import Discretization
+from ..exceptions import NotConvergedError, ProblemError
+from ..solution import Level
+from .newton import SemismoothNewtonSolver
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
+COARSEST = 20                   # contact points that need no prediction
 
 
-def Coarser(disc, mesh=None, *, factor=2.0):
-    """The problem of a Discretization on a coarser mesh, made if none is given; None where there is none.
+def Solve(disc, *, tol=1e-10, coarser=None, callback=None):
+    """Solve a Discretization by the default, `NestedNewtonSolver(tol=tol, coarser=coarser)`; returns the ContactSolution.
 
-    Forms that were added to `disc` are left out: the coarse problem only predicts.
+    >>> from ngsolve import CF
+    >>> from ngdgc import *
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> stiff = Foundation("bottom", NormalCompliance(1e9), friction=CoulombFriction(0.5))
+    >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), stiff, dirichlet={"top": CF((0.01, -0.1))})
+    >>> Solve(Discretization(problem, LDG(), RectangleMesh(8), order=1)).converged
+    True
     """
-    mesh = mesh or CoarserMesh(disc.mesh, factor)
-    if mesh is None:
-        return None
+    return NestedNewtonSolver(tol=tol, coarser=coarser).Solve(disc, callback=callback)
+
+
+@dataclass(frozen=True, kw_only=True)
+class NestedNewtonSolver:
+    """`SemismoothNewtonSolver` on a sequence of meshes, from coarse to fine: the default that needs no choices.
+
+    All that a mesh hands on is displacement and traction along Gamma_C; they are the start on the next one and tell which
+    stiffness of the foundation goes into its matrix.  `solution.levels` lists what every mesh has cost.
+
+    tol : of the law residual (`graph.Distance`), no unit
+    coarser : meshes of the same body with the same region names, coarse ones first; None: made by `coarsening.CoarserMesh`
+        until it has no way or at most 20 contact points are left; (): no coarser mesh
+    """
+
+    tol: float = 1e-10
+    coarser: Sequence | None = None
+
+    def __post_init__(self):
+        SemismoothNewtonSolver(tol=self.tol)
+        if self.coarser is not None:
+            if not isinstance(self.coarser, Sequence) or not all(isinstance(mesh, Mesh) for mesh in self.coarser):
+                raise ProblemError(f"coarser is {self.coarser!r}; give a sequence of ngsolve.Mesh, coarse ones first, or None")
+            object.__setattr__(self, "coarser", tuple(self.coarser))
+
+    def Solve(self, disc, *, callback=None):
+        """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh.
+
+        Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest and
+        under load continuation; SolveInterrupted, with the last iterate, on Ctrl-C on the last mesh.
+        """
+        solver = SemismoothNewtonSolver(tol=self.tol)
+        if not isinstance(disc, Discretization):
+            raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
+        levels, start = [], None
+        for coarse in _Coarse(disc, self.coarser):
+            try:
+                start, seconds = _Timed(solver, coarse, start)
+            except NotConvergedError:
+                start = None        # it was to predict, no more: the next mesh starts from rest
+                continue
+            levels.append(_Level(start, seconds))
+        try:
+            solution, seconds = _Timed(solver, disc, start, callback)
+        except NotConvergedError:
+            if start is None:
+                raise
+            solution, seconds = _Timed(solver, disc, None, callback)
+        solution.solver, solution.levels = repr(self), [*levels, _Level(solution, seconds)]
+        return solution
+
+
+def _Timed(solver, disc, coarse, callback=None):
+    start = time.perf_counter()
+    solution = solver.Solve(disc, start=coarse and Transfer(coarse, disc.contact), callback=callback)
+    return solution, time.perf_counter() - start
+
+
+def _Level(solution, seconds):
+    disc = solution.disc
+    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(solution.history), disc.solves, seconds)
+
+
+def _Coarse(disc, meshes):
+    """Discretizations on coarser meshes, the coarsest first."""
+    if meshes is None:
+        found = []
+        mesh, points = disc.mesh, len(disc.contact.weights)
+        while points > COARSEST:
+            mesh = CoarserMesh(mesh)
+            if mesh is None:
+                break
+            found.insert(0, Coarser(disc, mesh))
+            if len(found[0].contact.weights) >= points:
+                break
+            points = len(found[0].contact.weights)
+        return found
+    return [Coarser(disc, mesh) for mesh in meshes]
+
+
+def Coarser(disc, mesh):
+    """The problem of a Discretization on another mesh, without the forms that were added: it only predicts."""
     return Discretization(disc.problem, disc.method, mesh, order=disc.order, assembly=disc.assembly)
 
 
@@ -27,7 +121,7 @@ def Transfer(coarse, contact):
     """
     old = coarse.disc.contact
     displacement, traction = np.empty_like(contact.normals), np.empty_like(contact.normals)
-    values = np.concatenate([coarse.displacement, old.TraceProjection(coarse.traction)], axis=1)
+    values = np.concatenate([coarse.displacement, coarse.traction], axis=1)
     for (_, source, *_), (_, target, *_) in zip(old.parts, contact.parts):
         fitted = LocalFit(old.coordinates[source], values[source], contact.coordinates[target], contact.normals[target])
         displacement[target], traction[target] = np.split(fitted, 2, axis=1)

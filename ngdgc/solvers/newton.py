@@ -20,6 +20,8 @@ FORCING = 1e-3, 1e-6    # relative residual of the linear equations: first and s
 LINEAR = 200        # applications of an inverse for one linear equation
 HALVINGS = 8        # of a Newton step
 DECREASE = 1e-4     # relative decrease of the merit function that a full step must bring
+RENEW = 20          # applications of an inverse that a factorisation without prediction serves at least
+SETTLED = 1e-3      # ratio of merits after a step that hardly changed the zones
 PATIENCE = 8        # steps in which the merit function must halve
 SMALL = 1e-8        # law residuals below this that do not shrink are round-off
 LOADSTEP = 1 / 128  # smallest step of the load continuation
@@ -123,9 +125,14 @@ class NewtonRun:
         self.held = not disc.unresisted
         self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
         self.steps, self.zones = [], []
-        self.compliance = Compliance(disc, self._Stiffness(self.start, predicted=start is not None), self.start.displacement)
-        self.recycled = Recycled(self.compliance, disc.contact.weights)
-        n, dim = disc.contact.normals.shape
+        self._Factorise(self.start, predicted=start is not None)
+
+    def _Factorise(self, point, *, predicted):
+        """Make the compliance operator; the stiffness of the law at the point goes into the matrix if that is a prediction."""
+        self.predicted = predicted
+        self.compliance = Compliance(self.disc, self._Stiffness(point, predicted), point.displacement)
+        self.recycled = Recycled(self.compliance, self.contact.weights)
+        n, dim = self.contact.normals.shape
         self.stiffness = np.zeros((n, dim, dim)) if self.compliance.stiffness is None else self.compliance.stiffness
         self.near = np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim))
 
@@ -152,19 +159,26 @@ class NewtonRun:
     def Iterates(self):
         state = self._Evaluate(self.start)
         yield state.iterate
+        yield from self._Newton(state)
+        if self._Roundoff():
+            return
+        state = self._Continuation()
+        if state is not None:
+            self.steps.clear()
+            yield from self._Newton(state)
+
+    def _Newton(self, state):
+        """Iterates under full load until the steps bring no more."""
         while not self._Stalled():
             state = self._Step(state)
             yield state.iterate
-            if self._Roundoff(state):
+            near = self.steps[-1][2] < SETTLED or self._Roundoff()
+            if near and not self.predicted and len(self.recycled.arguments) > RENEW:
+                # The zones are nearly known now: with their stiffness in the matrix round-off and the work that is left shrink.
+                self._Factorise(state.point, predicted=True)
+                state = self._Evaluate(state.point)
+            elif self._Roundoff():
                 return
-        state = self._Continuation()
-        if state is None:
-            return
-        self.steps.clear()
-        yield state.iterate
-        while not self._Stalled() and not self._Roundoff(state):
-            state = self._Step(state)
-            yield state.iterate
 
     def _Evaluate(self, point, load=1.0):
         """The state at a point of the graph, by one application of the inverse."""
@@ -215,10 +229,10 @@ class NewtonRun:
         recent = [ratio for _, _, ratio in self.steps[-PATIENCE:]]
         return len(recent) == PATIENCE and np.prod(recent) > 0.5
 
-    def _Roundoff(self, state):
+    def _Roundoff(self):
         """True if the last two steps brought nothing and hardly anything is left."""
         recent = [ratio for _, _, ratio in self.steps[-2:]]
-        return len(recent) == 2 and min(recent) > 0.5 and LawResidual(self.contact, state.iterate) < SMALL
+        return len(recent) == 2 and min(recent) > 0.5 and LawResidual(self.contact, self.last) < SMALL
 
     def _Continuation(self):
         """The state under full load, reached from rest by raising the load in steps that adapt; None if that fails as well."""

@@ -1,5 +1,7 @@
 """Discontinuous Galerkin methods for frictional contact with normal compliance, on NGSolve."""
 
+from ngsolve import Solve
+
 from .discretization import Discretization
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
@@ -12,16 +14,15 @@ from .methods import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInterior
 from .problem import ContactProblem
 from .solution import ContactSolution
 from .solvers import Contraction, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
-from .solvers import Solve as Solve
 from .uniqueness import CheckUniqueness
 
 __version__ = "0.1.0"
 
-# What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for; and not
-# Solve, because NGSolve's own Solve(disc) does the same.
+# What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for; and
+# NGSolve's own Solve, which calls disc.Solve.
 __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
            "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting",
            "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction",
-           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "SolveInterrupted", "TrescaFriction",
+           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveInterrupted", "TrescaFriction",
            "UzawaSolver"]

@@ -6,7 +6,6 @@ body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem read
 
 import numpy as np
 import scipy.sparse as sp
-import scipy.sparse.linalg as spla
 from ngsolve import VOL, ElementId
 
 from .coefficients import ValuesAt
@@ -112,6 +111,8 @@ class ContactBoundary:
 
         Where the points outnumber the traces (H1, triangles and higher orders in 3D) the rest is not determined by equilibrium.
         """
+        import scipy.sparse.linalg as spla      # slow to import
+
         root = np.repeat(np.sqrt(self.weights), self.dim)
         used = np.flatnonzero(np.diff(self.trace.tocsc().indptr))
         traces = sp.diags(root) @ self.trace[:, used]

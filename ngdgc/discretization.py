@@ -209,9 +209,20 @@ class Discretization:
     # Set by the solvers, which are built on this class.
     defaultsolver = None
 
-    def Solve(self, **options):
-        """The ContactSolution by the default solver, `ngdgc.Solve(disc, ...)`; NGSolve's own `Solve(disc)` calls this."""
-        return type(self).defaultsolver(self, **options)
+    def Solve(self, *, tol=1e-10, coarser=None, callback=None):
+        """The ContactSolution by the default solver, `NestedNewtonSolver(tol=tol, coarser=coarser)`, which needs no choices.
+
+        NGSolve's function `Solve(disc, ...)` is the same, as it is for NGSolve's own equations.
+
+        >>> from ngsolve import CF
+        >>> from ngdgc import *
+        >>> from ngdgc.meshes import RectangleMesh
+        >>> stiff = Foundation("bottom", NormalCompliance(1e9), friction=CoulombFriction(0.5))
+        >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), stiff, dirichlet={"top": CF((0.01, -0.1))})
+        >>> Solve(Discretization(problem, LDG(), RectangleMesh(8), order=1)).converged
+        True
+        """
+        return self.defaultsolver(tol=tol, coarser=coarser).Solve(self, callback=callback)
 
     def SolveLinear(self, load):
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""

@@ -2,8 +2,8 @@
 
 from ..discretization import Discretization
 from .contraction import Contraction, EstimateContraction
-from .nested import NestedNewtonSolver, Solve
+from .nested import NestedNewtonSolver
 from .newton import SemismoothNewtonSolver
 from .uzawa import UzawaSolver
 
-Discretization.defaultsolver = staticmethod(Solve)
+Discretization.defaultsolver = NestedNewtonSolver

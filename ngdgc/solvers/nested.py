@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from ngsolve import Mesh
-from scipy.spatial import cKDTree
 
 from ..coarsening import CoarserMesh
 from ..discretization import Discretization
@@ -16,20 +15,6 @@ from .newton import SemismoothNewtonSolver
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
 COARSEST = 20                   # contact points that need no prediction
-
-
-def Solve(disc, *, tol=1e-10, coarser=None, callback=None):
-    """Solve a Discretization by the default, `NestedNewtonSolver(tol=tol, coarser=coarser)`; returns the ContactSolution.
-
-    >>> from ngsolve import CF
-    >>> from ngdgc import *
-    >>> from ngdgc.meshes import RectangleMesh
-    >>> stiff = Foundation("bottom", NormalCompliance(1e9), friction=CoulombFriction(0.5))
-    >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), stiff, dirichlet={"top": CF((0.01, -0.1))})
-    >>> Solve(Discretization(problem, LDG(), RectangleMesh(8), order=1)).converged
-    True
-    """
-    return NestedNewtonSolver(tol=tol, coarser=coarser).Solve(disc, callback=callback)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -130,6 +115,8 @@ def Transfer(coarse, contact):
 
 def LocalFit(points, values, targets, normals):
     """Values (m, c) at targets (m, d) on a surface with these normals, from values (n, c) at points (n, d)."""
+    from scipy.spatial import cKDTree       # slow to import
+
     dim = points.shape[1]
     count = min(NEIGHBOURS[dim], len(points))
     distances, nearest = cKDTree(points).query(targets, k=np.arange(1, count + 1))

@@ -9,14 +9,17 @@ from ..coefficients import IsNumber
 from ..compliance import Apply, Compliance
 from ..discretization import Discretization
 from ..exceptions import ProblemError
-from ..graph import ContactGraph
+from ..graph import ContactGraph, Scales
 from .driver import Drive, Iterate, LawResidual
 from .recycling import Recycled
 
 CAP = 100           # largest stiffness put into the matrix, in units of the body's own at the scale of a facet
 FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
-FORCING = 1e-3, 1e-6    # relative residual of the linear equations: first and smallest
+FORCING = 1e-3      # relative residual of the linear equations
+ACCURATE = 1e-9     # the smallest one that is asked for
+SAMEPIECE = 0.1     # change of dt/dq, which is between 0 and 1, that tells pieces of the graph apart
+GOAL = 0.1          # part of the tolerance at which the last linear equation aims
 LINEAR = 200        # applications of an inverse for one linear equation
 HALVINGS = 8        # of a Newton step
 DECREASE = 1e-4     # relative decrease of the merit function that a full step must bring
@@ -37,8 +40,9 @@ class SemismoothNewtonSolver:
     does not depend on the stiffness of the foundation, and piecewise smooth; its generalised derivative dU/dq + S dt/dq
     contains the dependence of the friction bound on the penetration and is not symmetric.
 
-    * Linear equations by conjugate residuals that recycle all products with S (`recycling`), to a relative residual of 1e-3 at
-      first and 1e-6 at last, preconditioned by d x d blocks at the points.
+    * Linear equations by conjugate residuals that recycle all products with S (`recycling`) and are preconditioned by d x d
+      blocks at the points; to a relative residual of 1e-3, and to the tolerance of the whole where a step stays on one smooth
+      piece of the graph.
     * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
       a body that nothing but its foundation holds.
     * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls the load is raised in steps, starting from rest.
@@ -193,8 +197,11 @@ class NewtonRun:
         before, best, length = self.disc.solves, None, 1.0
         if state.merit == 0:
             return state
-        last = self.steps[-1][2] if self.steps else 1.0
-        step = self._Direction(state, float(np.clip(0.1 * last, FORCING[1], FORCING[0])))
+        step = self._Direction(state, FORCING)
+        trial = self.graph.At(state.point.q + step)
+        if np.abs(trial.derivative - state.point.derivative).max() < SAMEPIECE:
+            # The step stays on one smooth piece, so its equation is the last one that matters, and worth solving well.
+            step = self._Direction(state, float(np.clip(GOAL * self.solver.tol / self._Error(state), ACCURATE, FORCING)))
         applications = self.disc.solves - before
         for _ in range(HALVINGS + 1):
             trial = self._Evaluate(self.graph.At(state.point.q + length * step), load)
@@ -206,6 +213,11 @@ class NewtonRun:
         self.steps.append((chosen, applications, best.merit / state.merit))
         self.zones.append(best.point.zones)
         return best
+
+    def _Error(self, state):
+        """Largest difference between the point of the graph and the iterate, in displacement and traction, no unit."""
+        uscale, tscale = Scales(self.contact, state.iterate.displacement, state.iterate.traction)
+        return max(np.abs(state.F).max() / uscale, np.abs(Apply(self.stiffness, state.F)).max() / tscale)
 
     def _Direction(self, state, forcing):
         """Newton's step in q, (n, d), from the linear equation for s = (dt/dq - D dU/dq) dq.

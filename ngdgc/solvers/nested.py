@@ -11,6 +11,7 @@ from ..coarsening import CoarserMesh
 from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError
 from ..solution import Level
+from .multistart import MultiStart
 from .newton import SemismoothNewtonSolver
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
@@ -42,8 +43,9 @@ class NestedNewtonSolver:
     def Solve(self, disc, *, callback=None):
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh.
 
-        Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest and
-        under load continuation; SolveInterrupted, with the last iterate, on Ctrl-C on the last mesh.
+        Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest, under
+        load continuation and from random starts (`MultiStart`); SolveInterrupted, with the last iterate, on Ctrl-C on the last
+        mesh.
         """
         solver = SemismoothNewtonSolver(tol=self.tol)
         if not isinstance(disc, Discretization):
@@ -56,14 +58,22 @@ class NestedNewtonSolver:
                 start = None        # it was to predict, no more: the next mesh starts from rest
                 continue
             levels.append(_Level(start, seconds))
-        try:
-            solution, seconds = _Timed(solver, disc, start, callback)
-        except NotConvergedError:
-            if start is None:
-                raise
-            solution, seconds = _Timed(solver, disc, None, callback)
+        solution, seconds = self._Finest(solver, disc, start, callback)
         solution.solver, solution.levels = repr(self), [*levels, _Level(solution, seconds)]
         return solution
+
+    def _Finest(self, solver, disc, prediction, callback):
+        """(solution, seconds) from the prediction, else from rest, else from other starts."""
+        for start in [prediction, None] if prediction else [None]:
+            try:
+                return _Timed(solver, disc, start, callback)
+            except NotConvergedError as error:
+                failure = error
+        begin = time.perf_counter()
+        found = MultiStart(disc, tol=self.tol)
+        if found:
+            return found[0], time.perf_counter() - begin
+        raise failure
 
 
 def _Timed(solver, disc, coarse, callback=None):

@@ -14,9 +14,10 @@ def MultiStart(disc, *, count=8, seed=0, tol=1e-10):
     """Different solutions of a discrete problem, a list of ContactSolution, found by Newton's method from `count` starts.
 
     The first start is rest; the others are tractions up to the size of those that the body would need to stay in contact
-    everywhere, smooth and random along Gamma_C, from the generator numpy.random.default_rng(seed).  Solutions whose
-    displacements on Gamma_C differ by less than 1e-6 of their size count as one.  An empty list means that no start led to a solution; one
-    solution is no proof that there is only one, two are a proof that there are two (to the tolerance of their equations).
+    everywhere, smooth and random along Gamma_C, from the generator numpy.random.default_rng(seed). Solutions whose
+    displacements on Gamma_C differ by less than 1e-6 of their size count as one. An empty list means that no start led to a
+    solution; one solution is no proof that there is only one, two are a proof that there are two (to the tolerance of their
+    equations).
 
     >>> from ngsolve import CF
     >>> from ngdgc import *

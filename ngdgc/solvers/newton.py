@@ -262,7 +262,7 @@ class NewtonRun:
             what += ", and raising the load in steps did not help"
         if self.disc.unresisted:
             return (f"{what}.  The foundation alone resists {self.disc.unresisted}: there is no equilibrium if the loads pull "
-                    "the body off or push it along harder than friction can hold.  Remedy: other loads, dirichlet, roller"), None
+                    "the body off or push it along harder than friction holds.  Remedy: other loads, dirichlet or roller"), None
         return (f"{what}.  With strong friction that grows with the pressure, or a law that is not monotone, there may be "
                 "several solutions or none nearby.  Remedy: a smaller friction coefficient, other starts (MultiStart), or a "
                 "finer mesh at the ends of the zones"), None

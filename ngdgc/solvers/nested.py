@@ -54,7 +54,7 @@ class NestedNewtonSolver:
         for coarse in _Coarse(disc, self.coarser):
             try:
                 start, seconds = _Timed(solver, coarse, start)
-            except NotConvergedError:
+            except (NotConvergedError, ProblemError):
                 start = None        # it was to predict, no more: the next mesh starts from rest
                 continue
             levels.append(_Level(start, seconds))
@@ -88,25 +88,31 @@ def _Level(solution, seconds):
 
 
 def _Coarse(disc, meshes):
-    """Discretizations on coarser meshes, the coarsest first."""
-    if meshes is None:
-        found = []
-        mesh, points = disc.mesh, len(disc.contact.weights)
-        while points > COARSEST:
-            mesh = CoarserMesh(mesh)
-            if mesh is None:
-                break
-            found.insert(0, Coarser(disc, mesh))
-            if len(found[0].contact.weights) >= points:
-                break
-            points = len(found[0].contact.weights)
-        return found
-    return [Coarser(disc, mesh) for mesh in meshes]
+    """Discretizations that predict, the coarsest first: on the meshes given, else on meshes made for the purpose.
+
+    Where no mesh can be made, or the data cannot be evaluated on it, order 1 on the same mesh predicts for higher orders.
+    """
+    if meshes is not None:
+        return [Coarser(disc, mesh, disc.order) for mesh in meshes]
+    found, mesh, points = [], disc.mesh, len(disc.contact.weights)
+    while points > COARSEST:
+        mesh = CoarserMesh(mesh)
+        try:
+            coarse = mesh and Coarser(disc, mesh, disc.order)
+        except ProblemError:
+            coarse = None
+        if coarse is None or len(coarse.contact.weights) >= points:
+            break
+        found.insert(0, coarse)
+        points = len(coarse.contact.weights)
+    if not found and points > COARSEST and disc.order > 1:
+        return [Coarser(disc, disc.mesh, 1)]
+    return found
 
 
-def Coarser(disc, mesh):
-    """The problem of a Discretization on another mesh, without the forms that were added: it only predicts."""
-    return Discretization(disc.problem, disc.method, mesh, order=disc.order, assembly=disc.assembly)
+def Coarser(disc, mesh, order):
+    """The problem of a Discretization on another mesh or of another order, without the forms that were added: it predicts."""
+    return Discretization(disc.problem, disc.method, mesh, order=order, assembly=disc.assembly)
 
 
 def Transfer(coarse, contact):

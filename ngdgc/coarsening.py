@@ -3,6 +3,8 @@
 Boundary and material regions keep their names and numbers, so that the data of a problem mean the same on every mesh.
 """
 
+import sys
+
 import numpy as np
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import NetgenGeometry
@@ -21,8 +23,8 @@ def CoarserMesh(mesh, factor=2.0):
     Meshes that come from a Netgen geometry are generated anew; without one, boxes along the axes and, in 2D, polygons of one
     material are recognised by their boundary.
     """
-    geometry = mesh.ngmesh.GetGeometry()
-    if geometry is not None and type(geometry) is not NetgenGeometry:
+    geometry = _Geometry(mesh)
+    if geometry is not None:
         coarse = Mesh(geometry.GenerateMesh(maxh=factor * MeshSize(mesh)))
     else:
         coarse = _Box(mesh, factor) or (_Polygon(mesh, factor) if mesh.dim == 2 else None)
@@ -34,6 +36,18 @@ def CoarserMesh(mesh, factor=2.0):
     if mesh.GetCurveOrder() > 1:
         coarse.Curve(mesh.GetCurveOrder())
     return coarse
+
+
+def _Geometry(mesh):
+    """The geometry that a mesh was generated from, or None."""
+    geometry = mesh.ngmesh.GetGeometry()
+    if geometry is None or type(geometry) is NetgenGeometry:
+        return None
+    # A mesh does not keep its SplineGeometry: once that has gone out of scope its memory may be anything, and the only reference
+    # is the one made here.  Without that of the argument there are two.
+    if isinstance(geometry, SplineGeometry) and sys.getrefcount(geometry) <= 2:
+        return None
+    return geometry
 
 
 def _Polygon(mesh, factor):
@@ -83,12 +97,12 @@ def Outline(mesh):
     geometry = SplineGeometry()
     for vertex in corners:
         corners[vertex] = geometry.AddPoint(*points[vertex])
-    for vertex in corners:
+    # Netgen numbers regions by the first edge of each name, so names that are numbers, in their order, keep the numbers.
+    for vertex in sorted(corners, key=lambda vertex: following[vertex][1]):
         after, index = following[vertex]
         while after not in corners:
             after = following[after][0]
-        geometry.Append(["line", corners[vertex], corners[after]], leftdomain=1, rightdomain=0,
-                        bc=index + 1)
+        geometry.Append(["line", corners[vertex], corners[after]], leftdomain=1, rightdomain=0, bc=str(index))
     geometry.SetMaterial(1, mesh.GetMaterials()[0])
     return geometry
 

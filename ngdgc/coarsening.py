@@ -7,7 +7,8 @@ import sys
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from netgen.meshing import NetgenGeometry
+from netgen.meshing import Element1D, Element2D, FaceDescriptor, NetgenGeometry
+from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, Integrate, Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
@@ -51,10 +52,20 @@ def _Geometry(mesh):
 
 
 def _Polygon(mesh, factor):
-    geometry = Outline(mesh)
-    if geometry is None:
+    """A mesh of the outline, made of new entities: Netgen makes a region of every side, and the mesh's own may have several."""
+    outline = Outline(mesh)
+    if outline is None:
         return None
-    coarse = geometry.GenerateMesh(maxh=factor * MeshSize(mesh))
+    geometry, regions = outline
+    sides = geometry.GenerateMesh(maxh=factor * MeshSize(mesh))
+    coarse = NetgenMesh(dim=2)
+    coarse.Add(FaceDescriptor(surfnr=1, domin=1, bc=1))
+    coarse.SetMaterial(1, mesh.GetMaterials()[0])
+    numbers = [coarse.Add(point) for point in sides.Points()]
+    for element in sides.Elements2D():
+        coarse.Add(Element2D(1, [numbers[vertex.nr - 1] for vertex in element.vertices]))
+    for element in sides.Elements1D():
+        coarse.Add(Element1D([numbers[vertex.nr - 1] for vertex in element.vertices], index=regions[element.index - 1] + 1))
     for number, name in enumerate(mesh.GetBoundaries()):
         coarse.SetBCName(number, name)
     return Mesh(coarse)
@@ -69,7 +80,10 @@ def MeshSize(mesh):
 
 
 def Outline(mesh):
-    """The polygon, possibly with holes, that bounds a plane mesh with straight edges and one material; else None."""
+    """(geometry, numbers of the boundary regions of its sides), or None.
+
+    The geometry is the polygon, possibly with holes, that bounds a plane mesh with straight edges and one material.
+    """
     if Curved(mesh) or len(mesh.GetMaterials()) > 1:
         return None
     corners, following = {}, {}
@@ -97,14 +111,12 @@ def Outline(mesh):
     geometry = SplineGeometry()
     for vertex in corners:
         corners[vertex] = geometry.AddPoint(*points[vertex])
-    # Netgen numbers regions by the first edge of each name, so names that are numbers, in their order, keep the numbers.
-    for vertex in sorted(corners, key=lambda vertex: following[vertex][1]):
-        after, index = following[vertex]
+    for number, vertex in enumerate(corners):
+        after, _ = following[vertex]
         while after not in corners:
             after = following[after][0]
-        geometry.Append(["line", corners[vertex], corners[after]], leftdomain=1, rightdomain=0, bc=str(index))
-    geometry.SetMaterial(1, mesh.GetMaterials()[0])
-    return geometry
+        geometry.Append(["line", corners[vertex], corners[after]], leftdomain=1, rightdomain=0, bc=number + 1)
+    return geometry, [following[vertex][1] for vertex in corners]
 
 
 def _Cross(a, b):

@@ -44,8 +44,8 @@ def _Geometry(mesh):
     geometry = mesh.ngmesh.GetGeometry()
     if geometry is None or type(geometry) is NetgenGeometry:
         return None
-    # A mesh does not keep its SplineGeometry: once that has gone out of scope its memory may be anything, and the only reference
-    # is the one made here.  Without that of the argument there are two.
+    # A mesh does not keep its SplineGeometry: once that has gone out of scope its memory may be anything, and the only
+    # references are the one made here and that of the argument.
     if isinstance(geometry, SplineGeometry) and sys.getrefcount(geometry) <= 2:
         return None
     return geometry

@@ -7,7 +7,7 @@ import pytest
 from conftest import Example, Residual
 from ngsolve import CF, BilinearForm, dx, x
 
-from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
+from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError)
 from ngdgc.compliance import Apply, Compliance
 from ngdgc.exact import WinklerColumn
@@ -151,7 +151,7 @@ def test_stiffness_holds_a_body_that_only_its_foundation_holds(method):
 
 
 def test_a_response_that_is_not_finite_is_an_error():
-    """A free dof without any stiffness, such as a load against a material that is nearly nothing, is named before nan spreads."""
+    """A free dof without any stiffness, a load against a material that is nearly nothing, is named before nan spreads."""
     problem = ContactProblem(HookeMaterial(E=1e-300, nu=0.3), Foundation("bottom", NormalCompliance(1)),
                              dirichlet={"top": CF((0, 0))}, bodyforce=CF((0, -1e100)))
     disc = Discretization(problem, Conforming(), RectangleMesh(2), order=1)

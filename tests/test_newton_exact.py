@@ -103,8 +103,8 @@ def test_three_zones_on_an_aligned_mesh(every):
 def Ends(solution):
     """(a, b): where the slip and the pressure begin, from their positive parts between the outermost points of the zones.
 
-    Zones are known at points only, so their ends jump by the distance of points.  With slip (x - a)^3 and pressure (b - x)^3 the
-    cube roots are linear, and the zero of the line through their values in the slip zone is the end.
+    Zones are known at points only, so their ends jump by the distance of points.  With slip (x - a)^3 and pressure (b - x)^3
+    the cube roots are linear, and the zero of the line through their values in the slip zone is the end.
     """
     at, slipping = solution.points[:, 0], (solution.points[:, 0] > 0.4) & (solution.points[:, 0] < 0.6)
     roots = np.cbrt(solution.slip[slipping, 0]), np.cbrt(solution.pressure[slipping])
@@ -115,7 +115,8 @@ def Ends(solution):
 def test_ends_of_the_zones_on_other_meshes(some):
     """B3 with ends inside of facets: |a_h - a| and |b_h - b| fall with order 2 to 3.5 to a hundredth of h.
 
-    The rate is over two refinements: f jumps at x = a, and what the quadrature makes of it depends on where in its facet a lies.
+    The rate is over two refinements: f jumps at x = a, and what the quadrature makes of it depends on where in its facet
+    that is.
     Read off the zones of the points b is met to a facet and a to three, the friction in reserve being 8 (a - x)^2 only.
     """
     exact = ThreeZones(ends=ENDS, reserve=8.0)

@@ -7,6 +7,8 @@ in the least squares sense on all vectors s of the past, at no cost, and only wh
 
 import numpy as np
 
+from ..parallel import Batched
+
 MEMORY = 400    # pairs kept: the singular value decomposition of more costs as much as the products that it saves
 
 
@@ -30,6 +32,7 @@ class Recycled:
             self.images = self.images[1 - MEMORY:] + [image / length]
         return image
 
+    @Batched
     def Solve(self, Local, b, *, tol, maxiter):
         """(s, S_D s) with |b - M s| <= tol |b| in L2(Gamma_C), M s = s + Local(S_D s, s); at most maxiter new applications.
 

@@ -167,7 +167,7 @@ def test_a_body_that_only_friction_holds_slides_when_it_must():
     assert solution.friction[:, 0] @ solution.weights == pytest.approx(-2.9, rel=1e-8)
     assert np.all(solution.zones[solution.points[:, 0] < 0.1] != 1)
     disc = Dragged(3.1)
-    with pytest.raises(NotConvergedError, match="raising the load.*several solutions or none"):
+    with pytest.raises(NotConvergedError, match="raising the load.*The foundation alone resists.*no equilibrium"):
         NEWTON.Solve(disc)
     assert disc.solves < 20000
 
@@ -193,12 +193,12 @@ def test_interrupt_keeps_the_last_iterate_and_callback_sees_every_step(solver):
     assert steps == solution.history and [step.number for step in steps] == list(range(1, len(steps) + 1))
 
     def Interrupt(step):
-        if step.number == 2:
+        if step.number == len(steps):
             raise KeyboardInterrupt
 
     with pytest.raises(SolveInterrupted) as stop:
         solver.Solve(disc, callback=Interrupt)
-    assert len(stop.value.solution.history) == 2 and not stop.value.solution.converged and stop.value.solution.energy > 0
+    assert len(stop.value.solution.history) == len(steps) and not stop.value.solution.converged and stop.value.solution.energy > 0
 
 
 def test_a_start_near_the_solution_saves_steps_and_a_bad_one_does_no_harm():

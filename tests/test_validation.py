@@ -123,7 +123,7 @@ def test_held_by_the_foundation_alone_is_legitimate_but_not_for_uzawa(method):
     problem = Example(dirichlet=None, roller={"left|right": 0}, traction=None, bodyforce=(0, -1))
     disc = Discretization(problem, method, RectangleMesh(2), order=1)
     assert disc.unresisted == "translation along y"
-    with pytest.raises(ProblemError, match="only contact resists translation along y.*legitimate"):
+    with pytest.raises(ProblemError, match=r"only contact resists translation along y.*Solve\(disc\)"):
         UzawaSolver().Solve(disc)
     held = Discretization(Example(dirichlet={"right": CF((0, 0))}), method, RectangleMesh(2), order=1)
     assert held.unresisted is None

@@ -28,7 +28,7 @@ def MultiStart(disc, *, count=8, seed=0, tol=1e-10):
     1
     """
     solver, found = SemismoothNewtonSolver(tol=tol), []
-    for start in [None, *Starts(disc, count - 1, np.random.default_rng(seed))]:
+    for start in [None, *Starts(disc, count - 1, seed)]:
         try:
             solution = solver.Solve(disc, start=start)
         except NotConvergedError:
@@ -39,9 +39,9 @@ def MultiStart(disc, *, count=8, seed=0, tol=1e-10):
     return found
 
 
-def Starts(disc, count, rng):
-    """`count` pairs (displacement, traction), (n, d) each."""
-    contact = disc.contact
+def Starts(disc, count=5, seed=0):
+    """`count` random pairs (displacement, traction), (n, d) each."""
+    contact, rng = disc.contact, np.random.default_rng(seed)
     size = np.ptp(contact.coordinates, axis=0).max()
     place = (contact.coordinates - contact.coordinates.min(axis=0)) / size
     # A body of this extent feels tractions of the size shear modulus times strain; the strain is that of the gap and the loads.

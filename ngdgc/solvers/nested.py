@@ -11,7 +11,7 @@ from ..coarsening import CoarserMesh
 from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError
 from ..solution import Level
-from .multistart import MultiStart
+from .multistart import Starts
 from .newton import SemismoothNewtonSolver
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
@@ -44,8 +44,8 @@ class NestedNewtonSolver:
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh.
 
         Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest, under
-        load continuation and from random starts (`MultiStart`); SolveInterrupted, with the last iterate, on Ctrl-C on the last
-        mesh.
+        load continuation and from random starts (`multistart.Starts`); SolveInterrupted, with the last iterate, on Ctrl-C on
+        the last mesh.
         """
         solver = SemismoothNewtonSolver(tol=self.tol)
         if not isinstance(disc, Discretization):
@@ -69,10 +69,12 @@ class NestedNewtonSolver:
                 return _Timed(solver, disc, start, callback)
             except NotConvergedError as error:
                 failure = error
-        begin = time.perf_counter()
-        found = MultiStart(disc, tol=self.tol)
-        if found:
-            return found[0], time.perf_counter() - begin
+        for start in Starts(disc):
+            try:
+                begin = time.perf_counter()
+                return solver.Solve(disc, start=start, callback=callback), time.perf_counter() - begin
+            except NotConvergedError:
+                continue
         raise failure
 
 

@@ -9,10 +9,10 @@ from ..coefficients import IsNumber
 from ..compliance import Apply, Compliance
 from ..discretization import Discretization
 from ..exceptions import ProblemError
-from ..graph import ContactGraph, Scales
+from ..graph import ContactGraph, NormalPart, Scales
 from .driver import Drive, Iterate, LawResidual
 from .recycling import Recycled
-from .stiffness import BodyStiffness, LawStiffness
+from .stiffness import BodyStiffness, LawStiffness, Resultant
 
 FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
@@ -21,6 +21,7 @@ ACCURATE = 1e-9     # the smallest one that is asked for
 SAMEPIECE = 0.1     # change of dt/dq, which is between 0 and 1, that tells pieces of the graph apart
 GOAL = 0.1          # part of the tolerance at which the last linear equation aims
 LINEAR = 200        # applications of an inverse for one linear equation
+TOUCH = 1e-6        # penetration that counts as contact, in units of the extent of Gamma_C
 HALVINGS = 8        # of a Newton step
 DECREASE = 1e-4     # relative decrease of the merit function that a full step must bring
 RENEW = 20          # applications of an inverse that a factorisation without prediction serves at least
@@ -29,6 +30,7 @@ PATIENCE = 8        # steps in which the merit function must halve
 SMALL = 1e-8        # law residuals below this that do not shrink are round-off
 LOADSTEP = 1 / 32   # smallest step of the load continuation
 CORRECTIONS = 12    # Newton steps for one load
+WORK = 500          # applications of an inverse for the load continuation
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,7 +110,7 @@ class NewtonRun:
         self.held = not disc.unresisted
         self.given = start is not None
         self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
-        self.steps, self.zones = [], []
+        self.steps, self.zones, self.reached = [], [], 0.0
         self._Factorise(self.start, predicted=start is not None)
 
     def _Factorise(self, point, *, predicted):
@@ -122,10 +124,17 @@ class NewtonRun:
 
     def _Rest(self):
         """No traction; a body that nothing else holds starts in contact everywhere, or its first step would be a flight."""
-        if self.held:
-            return self.graph.At(np.zeros_like(self.contact.normals))
-        touch = 1e-6 * np.ptp(self.contact.coordinates, axis=0).max()
-        return self.graph.At((self.scale * (self.contact.gap + touch))[:, None] * self.contact.normals)
+        contact = self.contact
+        q = np.zeros(len(self.scale))
+        pressure = 0 if self.held else np.linalg.norm(Resultant(self.disc)) / contact.weights.sum()
+        if pressure:
+            q = self.scale * (contact.gap + TOUCH * np.ptp(contact.coordinates, axis=0).max())
+            for _, here, compliance, _ in contact.parts:
+                # As deep as if all points carried the loads evenly: a law that starts flat, like r^3, has no slope at touch.
+                gamma = self.scale[here]
+                r, p, _ = NormalPart(compliance, FLOOR * gamma, np.full(len(gamma), pressure))
+                q[here] = np.maximum(q[here], p + gamma * (r + contact.gap[here]))
+        return self.graph.At(q[:, None] * contact.normals)
 
     def _Stiffness(self, point, predicted):
         """What goes into the matrix, (n, d, d) or None."""
@@ -229,8 +238,11 @@ class NewtonRun:
 
     def _Continuation(self):
         """The state under full load, reached from rest by raising the load in steps that adapt; None if that fails as well."""
-        state, load, increment = self._Evaluate(self._Rest(), 0.0), 0.0, 0.25
+        state, load, increment, before = self._Evaluate(self._Rest(), 0.0), 0.0, 0.25, self.disc.solves
         while load < 1:
+            self.reached = load
+            if self.disc.solves - before > WORK:
+                return None
             increment = min(increment, 1 - load)
             self.steps.clear()
             trial = self._Evaluate(state.point, load + increment)
@@ -259,7 +271,7 @@ class NewtonRun:
         else:
             what = f"Newton stagnates, its last step shortened to {self.steps[-1][0] if self.steps else 1:.2g}"
         if not self.given:
-            what += ", and raising the load in steps did not help"
+            what += f", and raising the load in steps found no equilibrium beyond {self.reached:.0%} of it"
         if self.disc.unresisted:
             return (f"{what}.  The foundation alone resists {self.disc.unresisted}: there is no equilibrium if the loads pull "
                     "the body off or push it along harder than friction holds.  Remedy: other loads, dirichlet or roller"), None

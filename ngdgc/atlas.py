@@ -23,6 +23,8 @@ from .variants import Variants
 
 TOL = 1e-8          # the paper's
 LIMIT = 1000        # iterations of Uzawa's kind
+QUICK = 100         # the same for a quick atlas
+STIFF = 1e3         # k_n/E of a foundation on which the explicit iteration has no chance
 EXAMPLES = {"4.1": example_4_1, "4.2": example_4_2}
 YOUNG = {"4.1": 2000, "4.2": 2500, "block": 1000, "box": 1000}      # E [stress]
 
@@ -100,42 +102,53 @@ class Clocked(Discretization):
         return inverse
 
 
+VARIABLES = {"problem": "problem", "stiffness": "stiffness k_n/E", "coefficient": "friction coefficient",
+             "n": "cells per side n = 1/h", "order": "order k", "method": "method"}
+
+
 @dataclass(frozen=True)
 class Sweep:
-    """Points that differ in one thing, the attribute `variable` of Point."""
+    """Points that differ in one attribute, `variable`, one of VARIABLES; `what` they have in common, as a title."""
 
-    title: str
+    what: str
     variable: str
     points: tuple
 
-
-def _Vary(title, variable, values, **base):
-    return Sweep(title, variable, tuple(Point(**{**base, variable: value}) for value in values))
-
-
-STIFF = 1e3     # k_n/E of a foundation on which the explicit iteration has no chance
+    @property
+    def title(self):
+        return f"{self.what}: {VARIABLES[self.variable]}"
 
 
-def Sweeps(*, quick=False):
-    """{name: Sweep}; quick: a few small problems of each."""
-    n = 4 if quick else 16
-    stiffness = (0.1, 1e3) if quick else (1e-3, 1e-2, 0.1, 1, 10, 100, 1e3, 1e5, 1e7, 1e9)
-    coefficient = (0.1, 0.5) if quick else (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0)
-    size = (2, 4) if quick else (8, 16, 32, 64, 128, 256)
-    sweeps = {"own": Sweep("The paper's examples", "problem", tuple(Point(problem=name, stiffness=None, n=n) for name in EXAMPLES))}
-    for problem in ("block", "4.1", "4.2"):
-        what = "Block" if problem == "block" else f"Geometry of Example {problem}"
-        sweeps[f"stiffness {problem}"] = _Vary(f"{what}, stiffness k_n/E", "stiffness", stiffness, problem=problem, n=n)
+def _Vary(what, variable, values, **base):
+    return Sweep(what, variable, tuple(Point(**{**base, variable: value}) for value in values))
+
+
+def Sweeps():
+    """{name: Sweep} of the whole atlas."""
+    stiffness = (1e-3, 1e-2, 0.1, 1, 10, 100, 1e3, 1e5, 1e7, 1e9)
+    sweeps = {"own": _Vary("The paper's examples", "problem", tuple(EXAMPLES), stiffness=None),
+              "stiffness": _Vary("Block", "stiffness", stiffness)}
+    for name in EXAMPLES:
+        sweeps[f"stiffness {name}"] = _Vary(f"Geometry of Example {name}", "stiffness", stiffness, problem=name)
     for suffix, base in (("", {}), (" stiff", {"stiffness": STIFF})):
-        what = f"Block, k_n = {base.get('stiffness', Point.stiffness):g} E, "
+        foundation = f"k_n = {base.get('stiffness', Point.stiffness):g} E"
+        block = f"Block, {foundation}"
         sweeps |= {
-            f"coefficient{suffix}": _Vary(what + "friction coefficient", "coefficient", coefficient, n=n, **base),
-            f"size{suffix}": _Vary(what + "cells per side n = 1/h", "n", size, **base),
-            f"order{suffix}": _Vary(what + "order k", "order", (1, 2) if quick else (1, 2, 3, 4), n=n // 2, **base),
-            f"method{suffix}": _Vary(what + "method", "method", ("IP edge", "H1") if quick else tuple(Variants()), n=n, **base),
-            f"box{suffix}": _Vary(f"Box of tetrahedra, {what[7:]}cells per side n = 1/h", "n", (1,) if quick else (2, 3, 4),
-                                  problem="box", **base)}
+            f"coefficient{suffix}": _Vary(block, "coefficient", (0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1.0), **base),
+            f"size{suffix}": _Vary(block, "n", (8, 16, 32, 64, 128, 256), **base),
+            f"order{suffix}": _Vary(f"{block}, n = 8", "order", (1, 2, 3, 4), n=8, **base),
+            f"method{suffix}": _Vary(block, "method", tuple(Variants()), **base),
+            f"box{suffix}": _Vary(f"Box of tetrahedra, {foundation}", "n", (2, 3, 4), problem="box", **base)}
     return sweeps
+
+
+def QuickSweeps():
+    """{name: Sweep} of a few tiny problems that show what the atlas does, not what it finds."""
+    return {"own": _Vary("The paper's examples", "problem", tuple(EXAMPLES), stiffness=None, n=2),
+            "stiffness": _Vary("Block", "stiffness", (0.1, STIFF), n=2),
+            "coefficient": _Vary("Block", "coefficient", (0.3, 0.5), n=2), "size": _Vary("Block", "n", (2, 4)),
+            "order": _Vary("Block", "order", (1, 2), n=2), "method": _Vary("Block", "method", ("IP edge", "H1"), n=2),
+            "box": _Vary("Box of tetrahedra", "n", (1,), problem="box")}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -212,13 +225,13 @@ TOOLARGE = "not run on this mesh"
 FINEST = {"nested Newton": 256, "Newton": 128}     # cells per side for which a solver is quick enough; others 64
 
 
-def Study(sweeps, *, solvers=None, callback=None):
-    """Yield the Rows of every point of the sweeps, a dictionary such as `Sweeps()`, and every solver, as they come.
+def Study(sweeps, *, limit=LIMIT, callback=None):
+    """Yield the Rows of every point of the sweeps, a dictionary such as `Sweeps()`, and all `Solvers`, as they come.
 
-    solvers : {label: solver}, by default Solvers()
+    limit : of iterations
     callback : called with a line of progress before each point
     """
-    solvers = solvers or Solvers()
+    solvers = Solvers(limit=limit)
     known, references = {}, {}
     for name, sweep in sweeps.items():
         slow = set()

@@ -9,8 +9,8 @@ from .plots import AtlasFigure
 TITLES = {"own": "The paper's examples", "stiffness": "Stiffness of the foundation", "coefficient": "Friction coefficient",
           "size": "Mesh size", "order": "Order", "method": "Method", "box": "Three dimensions"}
 # Figures by the first word of their sweeps' names: the variable, and the quantities drawn.
-FIGURES = {"stiffness": ("stiffness", ("iterations", "work")), "coefficient": ("coefficient", ("iterations", "work")),
-           "size": ("n", ("work", "seconds"))}
+FIGURES = {"stiffness": ("stiffness", ("iterations", "solves")), "coefficient": ("coefficient", ("iterations", "solves")),
+           "size": ("n", ("solves", "seconds"))}
 
 
 class Table:
@@ -119,7 +119,7 @@ methods with friction.
 * Newton: semismooth, from rest, on the given mesh alone; nested Newton: the same on coarser meshes first, the default.
 
 The tolerance is {tol:g}, the paper's, and Uzawa's iterations end after {limit}.  A cell reads iterations / applications of an
-inverse / seconds, those of nested iteration `on this mesh + on the coarser ones`.  Applications count everything: the
+inverse / seconds, those of nested iteration `on this mesh + on the coarser ones`; figures show those on this mesh.  Applications count everything: the
 response to the loads, the estimates behind rho = "auto", line searches.  Seconds are of one run: all of the solver with its
 factorisations and coarser meshes, without the matrix of the mesh itself; `atlas.csv` has the factorisation by itself.
 

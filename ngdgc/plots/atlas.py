@@ -3,7 +3,7 @@
 import math
 
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, NullLocator
+from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from .canvas import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 
@@ -11,7 +11,7 @@ from .canvas import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
 STYLES = {"Uzawa": ("black", "x", ":"), "Uzawa, Anderson": (PURPLE, "+", ":"), "implicit": (SKY, "v", "--"),
           "implicit, adaptive": (ORANGE, "D", "--"), "implicit, Anderson": (GREEN, "^", "--"),
           "Newton": (VERMILION, "o", "-"), "nested Newton": (BLUE, "s", "-")}
-LABELS = {"iterations": "iterations", "work": "applications of an inverse", "seconds": "seconds"}
+LABELS = {"iterations": "iterations", "solves": "applications of $A^{-1}$", "seconds": "seconds"}
 VARIABLES = {"stiffness": "$k_n/E$ [1/length]", "coefficient": "friction coefficient [no unit]", "n": "h = 1/n [length]"}
 
 
@@ -20,7 +20,8 @@ def AtlasFigure(panels, variable, quantities):
 
     panels : {title: list of `atlas.Row`}, one column of pictures each
     variable : "stiffness", "coefficient" or "n", which is drawn as h = 1/n
-    quantities : of "iterations", "work" (applications of an inverse, on all meshes) and "seconds", one line of pictures each
+    quantities : of "iterations", "solves" (applications of an inverse on the finest mesh) and "seconds", one line of pictures
+        each
 
     Above each column a strip shows where which solver gave up.
     """
@@ -41,7 +42,7 @@ def AtlasFigure(panels, variable, quantities):
     for axes, quantity in zip(grid[1:, 0], quantities):
         axes.set_ylabel(LABELS[quantity])
     handles = {handle.get_label(): handle for handle in grid[1, 0].lines}
-    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=2 if len(panels) == 1 else 4, frameon=False, fontsize=9)
     return figure
 
 
@@ -52,9 +53,7 @@ def _At(row, variable):
 
 def _Amount(row, quantity):
     """The number drawn; NaN, which interrupts the line, where the solver gave up."""
-    if not row.converged:
-        return math.nan
-    return row.solves + row.coarser if quantity == "work" else getattr(row, quantity)
+    return getattr(row, quantity) if row.converged else math.nan
 
 
 def _Marker(solver, colour, marker):
@@ -69,6 +68,7 @@ def _Finish(column, variable, places):
     strip.tick_params(bottom=False, which="both")
     for axes in pictures:
         axes.set(xscale="log", yscale="log")
+        axes.yaxis.set_minor_formatter(NullFormatter())
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(color="#DDDDDD", linewidth=0.6)
     pictures[-1].set_xlabel(VARIABLES[variable])

@@ -2,6 +2,7 @@
 
 import csv
 from pathlib import Path
+from textwrap import fill
 
 from . import atlas
 from .plots import AtlasFigure
@@ -119,9 +120,10 @@ methods with friction.
 * Newton: semismooth, from rest, on the given mesh alone; nested Newton: the same on coarser meshes first, the default.
 
 The tolerance is {tol:g}, the paper's, and Uzawa's iterations end after {limit}.  A cell reads iterations / applications of an
-inverse / seconds, those of nested iteration `on this mesh + on the coarser ones`; figures show those on this mesh.  Applications count everything: the
-response to the loads, the estimates behind rho = "auto", line searches.  Seconds are of one run: all of the solver with its
-factorisations and coarser meshes, without the matrix of the mesh itself; `atlas.csv` has the factorisation by itself.
+inverse / seconds, those of nested iteration `on this mesh + on the coarser ones`; figures show those on this mesh.
+Applications count everything: the response to the loads, the estimates behind rho = "auto", line searches.  Seconds are of
+one run and vary with the machine and with what else it does: all of the solver with its factorisations and coarser meshes,
+without the matrix of the mesh itself; `atlas.csv` has the factorisation by itself.
 
 Problems: the paper's examples with their own data; their geometries and loads with p_n = k_n r and Coulomb friction; and the
 block, a unit square with E = 1000 and nu = 0.3 that is pressed by 0.02 and sheared by 0.002 onto a rounded foundation, gap
@@ -133,17 +135,19 @@ coefficient {coefficient:g}.  A soft foundation is k_n = {stiffness:g} E, a stif
 LOOK = {
     "own": "What the paper solves: slip nearly everywhere and a soft foundation.  Everything converges, and the prices differ "
            "by a small factor.",
-    "stiffness": "Explicit lines end where |p_n' S_nn| reaches 1, however rho is chosen, and acceleration shifts that little.  "
-                 "Implicit ones go on to the rigid limit: the plain one pays with the ratio of the extreme eigenvalues of S, "
-                 "the accelerated one with its root.  Newton's lines are level.",
-    "coefficient": "More friction means more sticking points, which are slow for every iteration of first order: their "
-                   "error shrinks with the smallest eigenvalue of S.",
-    "size": "The smallest eigenvalue of S falls with h, so refinement acts like stiffness.  Nested iteration starts next to "
-            "the solution; its applications on the finest mesh stay, and those on coarser meshes cost little.",
-    "order": "Higher order spreads the eigenvalues of S as refinement does.",
-    "method": "The methods differ in the body, not in the law: a solver's price hardly depends on the method, and edge and "
-              "lifting form give the same numbers, as on triangles they must.",
-    "box": "Three dimensions: friction has two components, and the ball of (2.9) is round."}
+    "stiffness": "Explicit lines end where |p_n' S_nn| comes near 1, whatever rho is; acceleration shifts that little.  "
+                 "Implicit ones can go on to the rigid limit, where nothing depends on the stiffness any more.  The plain one "
+                 "pays with the ratio of the extreme eigenvalues of S, Anderson's with something like its root.  The adaptive "
+                 "step is cheap where all points slip and unreliable where some stick.  Newton's lines are level.",
+    "coefficient": "The jump on the soft foundation is where the first points stick: their error shrinks with the smallest "
+                   "eigenvalue of S, while slipping points only follow.  Beyond it the coefficient matters little.",
+    "size": "The smallest eigenvalue of S falls with h, so refinement makes every iteration of first order slower, and Newton's "
+            "steps from rest become more.  Nested iteration starts next to the solution: its steps on the finest mesh do not "
+            "grow.",
+    "order": "Higher order spreads the eigenvalues of S as refinement does; Newton's method hardly notices.",
+    "method": "The methods differ in the body, not in the law: prices depend little on the method.  Edge and lifting form are "
+              "the same matrices on triangles with constant data, and round-off is all that parts them.",
+    "box": "Friction with two tangential components."}
 
 
 def Page(rows, sweeps):
@@ -158,7 +162,7 @@ def Page(rows, sweeps):
     for kind, text in LOOK.items():
         own = [section for section in sections if section[0].split()[0] == kind]
         if own:
-            lines += [f"## {TITLES[kind]}", "", text, ""]
+            lines += [f"## {TITLES[kind]}", "", fill(text, 118), ""]
             lines += [f"![{TITLES[kind]}](images/atlas_{kind}.png)", ""] if f"atlas_{kind}" in figures else []
             for section in own:
                 lines += [f"### {sweeps[section[0]].what}", "", *Markdown(section)]

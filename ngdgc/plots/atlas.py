@@ -42,7 +42,8 @@ def AtlasFigure(panels, variable, quantities):
     for axes, quantity in zip(grid[1:, 0], quantities):
         axes.set_ylabel(LABELS[quantity])
     handles = {handle.get_label(): handle for handle in grid[1, 0].lines}
-    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=2 if len(panels) == 1 else 4, frameon=False, fontsize=9)
+    figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=2 if len(panels) == 1 else 4,
+                  frameon=False, fontsize=9)
     return figure
 
 

@@ -138,11 +138,12 @@ LOOK = {
     "stiffness": "Explicit lines end where |p_n' S_nn| comes near 1, whatever rho is; acceleration shifts that little.  "
                  "Implicit ones can go on to the rigid limit, where nothing depends on the stiffness any more.  The plain one "
                  "pays with the ratio of the extreme eigenvalues of S, Anderson's with something like its root.  The adaptive "
-                 "step is cheap where all points slip and unreliable where some stick.  Newton's lines are level.",
+                 "step is cheap where all points slip; where some stick its residual may rest so long that the driver takes it "
+                 "for lost, and its line has holes.  Newton's lines are level.",
     "coefficient": "The jump on the soft foundation is where the first points stick: their error shrinks with the smallest "
                    "eigenvalue of S, while slipping points only follow.  Beyond it the coefficient matters little.",
-    "size": "The smallest eigenvalue of S falls with h, so refinement makes every iteration of first order slower, and Newton's "
-            "steps from rest become more.  Nested iteration starts next to the solution: its steps on the finest mesh do not "
+    "size": "The smallest eigenvalue of S falls with h, so refinement makes every iteration of first order slower, and "
+            "Newton's steps from rest become more.  Nested iteration starts next to the solution: its steps on the finest mesh do not "
             "grow.",
     "order": "Higher order spreads the eigenvalues of S as refinement does; Newton's method hardly notices.",
     "method": "The methods differ in the body, not in the law: prices depend little on the method.  Edge and lifting form are "

@@ -143,8 +143,8 @@ LOOK = {
     "coefficient": "The jump on the soft foundation is where the first points stick: their error shrinks with the smallest "
                    "eigenvalue of S, while slipping points only follow.  Beyond it the coefficient matters little.",
     "size": "The smallest eigenvalue of S falls with h, so refinement makes every iteration of first order slower, and "
-            "Newton's steps from rest become more.  Nested iteration starts next to the solution: its steps on the finest mesh do not "
-            "grow.",
+            "Newton's steps from rest become more.  Nested iteration starts next to the solution: its steps on the finest "
+            "mesh do not grow.",
     "order": "Higher order spreads the eigenvalues of S as refinement does; Newton's method hardly notices.",
     "method": "The methods differ in the body, not in the law: prices depend little on the method.  Edge and lifting form are "
               "the same matrices on triangles with constant data, and round-off is all that parts them.",

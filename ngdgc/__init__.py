@@ -13,7 +13,8 @@ from .methods import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInterior
                       NonsymmetricInteriorPenalty)
 from .problem import ContactProblem
 from .solution import ContactSolution
-from .solvers import Contraction, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
+from .solvers import (Contraction, EstimateContraction, MultiStart, NestedNewtonSolver, SemismoothNewtonSolver,
+                      UzawaSolver)
 from .uniqueness import CheckUniqueness
 
 __version__ = "0.1.0"
@@ -23,6 +24,6 @@ __version__ = "0.1.0"
 __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
            "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting",
-           "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PowerFriction",
-           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveInterrupted", "TrescaFriction",
-           "UzawaSolver"]
+           "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError",
+           "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveInterrupted",
+           "TrescaFriction", "UzawaSolver"]

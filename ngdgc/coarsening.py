@@ -3,9 +3,12 @@
 Boundary and material regions keep their names and numbers, so that the data of a problem mean the same on every mesh.
 """
 
+import sys
+
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from netgen.meshing import NetgenGeometry
+from netgen.meshing import Element1D, Element2D, FaceDescriptor, NetgenGeometry
+from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, Integrate, Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
@@ -21,8 +24,8 @@ def CoarserMesh(mesh, factor=2.0):
     Meshes that come from a Netgen geometry are generated anew; without one, boxes along the axes and, in 2D, polygons of one
     material are recognised by their boundary.
     """
-    geometry = mesh.ngmesh.GetGeometry()
-    if geometry is not None and type(geometry) is not NetgenGeometry:
+    geometry = _Geometry(mesh)
+    if geometry is not None:
         coarse = Mesh(geometry.GenerateMesh(maxh=factor * MeshSize(mesh)))
     else:
         coarse = _Box(mesh, factor) or (_Polygon(mesh, factor) if mesh.dim == 2 else None)
@@ -36,11 +39,33 @@ def CoarserMesh(mesh, factor=2.0):
     return coarse
 
 
-def _Polygon(mesh, factor):
-    geometry = Outline(mesh)
-    if geometry is None:
+def _Geometry(mesh):
+    """The geometry that a mesh was generated from, or None."""
+    geometry = mesh.ngmesh.GetGeometry()
+    if geometry is None or type(geometry) is NetgenGeometry:
         return None
-    coarse = geometry.GenerateMesh(maxh=factor * MeshSize(mesh))
+    # A mesh does not keep its SplineGeometry: once that has gone out of scope its memory may be anything, and the only
+    # references are the one made here and that of the argument.
+    if isinstance(geometry, SplineGeometry) and sys.getrefcount(geometry) <= 2:
+        return None
+    return geometry
+
+
+def _Polygon(mesh, factor):
+    """A mesh of the outline, made of new entities: Netgen makes a region of every side, and the mesh's own may have several."""
+    outline = Outline(mesh)
+    if outline is None:
+        return None
+    geometry, regions = outline
+    sides = geometry.GenerateMesh(maxh=factor * MeshSize(mesh))
+    coarse = NetgenMesh(dim=2)
+    coarse.Add(FaceDescriptor(surfnr=1, domin=1, bc=1))
+    coarse.SetMaterial(1, mesh.GetMaterials()[0])
+    numbers = [coarse.Add(point) for point in sides.Points()]
+    for element in sides.Elements2D():
+        coarse.Add(Element2D(1, [numbers[vertex.nr - 1] for vertex in element.vertices]))
+    for element in sides.Elements1D():
+        coarse.Add(Element1D([numbers[vertex.nr - 1] for vertex in element.vertices], index=regions[element.index - 1] + 1))
     for number, name in enumerate(mesh.GetBoundaries()):
         coarse.SetBCName(number, name)
     return Mesh(coarse)
@@ -55,7 +80,10 @@ def MeshSize(mesh):
 
 
 def Outline(mesh):
-    """The polygon, possibly with holes, that bounds a plane mesh with straight edges and one material; else None."""
+    """(geometry, numbers of the boundary regions of its sides), or None.
+
+    The geometry is the polygon, possibly with holes, that bounds a plane mesh with straight edges and one material.
+    """
     if Curved(mesh) or len(mesh.GetMaterials()) > 1:
         return None
     corners, following = {}, {}
@@ -83,14 +111,12 @@ def Outline(mesh):
     geometry = SplineGeometry()
     for vertex in corners:
         corners[vertex] = geometry.AddPoint(*points[vertex])
-    for vertex in corners:
-        after, index = following[vertex]
+    for number, vertex in enumerate(corners):
+        after, _ = following[vertex]
         while after not in corners:
             after = following[after][0]
-        geometry.Append(["line", corners[vertex], corners[after]], leftdomain=1, rightdomain=0,
-                        bc=index + 1)
-    geometry.SetMaterial(1, mesh.GetMaterials()[0])
-    return geometry
+        geometry.Append(["line", corners[vertex], corners[after]], leftdomain=1, rightdomain=0, bc=number + 1)
+    return geometry, [following[vertex][1] for vertex in corners]
 
 
 def _Cross(a, b):

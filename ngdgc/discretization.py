@@ -3,6 +3,7 @@
 from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 from ngsolve import BilinearForm, GridFunction, LinearForm, Norm, ds, dx
 
 from .coefficients import LOADBONUS, Unfolded
@@ -13,6 +14,9 @@ from .problem import ContactProblem
 from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
 from .validation import CheckMesh, CheckProblem, UnresistedMotion
+
+SOFT = 1e-3     # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
+
 
 class Discretization:
     """The discrete problem A u = f - T' W t, t = law(T u), of a method of order k >= 1 on a mesh.
@@ -132,10 +136,19 @@ class Discretization:
                 raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
                                    "division by zero or a root of a negative number")
             if self.addedmatrices:
-                CheckSum(self.form, matrix, self.space.FreeDofs())
+                CheckSum(self.form, matrix, self.space.FreeDofs(), self._held)
             else:
-                CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs())
+                CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs(), self._held)
         return matrix
+
+    @property
+    def _held(self):
+        """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite if the foundation alone holds the body, or None."""
+        if not self.unresisted:
+            return None
+        contact = self.contact
+        weights = np.repeat(SOFT / contact.flexibility * contact.weights, contact.dim)
+        return (contact.trace.T @ sp.diags(weights) @ contact.trace).tocsr()
 
     @cached_property
     def addedmatrix(self):

@@ -59,12 +59,17 @@ def ExtremeEigenvalue(operator, norm, inverse, which):
                            "extreme size and for degenerate elements") from None
 
 
-def SmallestEigenvalue(matrix, norm, freedofs):
+def SmallestEigenvalue(matrix, norm, freedofs, held=None):
     """Smallest lambda with B_h u = lambda N u, N = g_h + penalty: the coercivity constant of B_h in its own energy norm.
 
-    `matrix` and `norm` are NGSolve matrices on one space; of an unsymmetric form the symmetric part counts.
+    `matrix` and `norm` are NGSolve matrices on one space; of an unsymmetric form the symmetric part counts.  `held`, scipy CSR,
+    is added to both where rigid motions leave N singular: lambda = 1 there, and no lambda below 1 falls.
     """
     B, N = FreePart(matrix, freedofs), FreePart(norm, freedofs)
+    if held is not None:
+        free = np.flatnonzero(list(freedofs))
+        held = held[free][:, free]
+        B, N = B + held, N + held
     return ExtremeEigenvalue(Symmetric(B), N, Inverse(N), "SA")
 
 
@@ -82,7 +87,7 @@ def _Remedy(method, bound):
             "known for this form")
 
 
-def CheckCoercivity(method, form, matrix, freedofs):
+def CheckCoercivity(method, form, matrix, freedofs, held=None):
     """Raise ProblemError if the bilinear form is not coercive.
 
     If the largest element bound kappa_K (`penalty` module) is below 1 the form is coercive; only otherwise
@@ -90,15 +95,15 @@ def CheckCoercivity(method, form, matrix, freedofs):
     """
     if form.bound < 1:
         return
-    smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs)
+    smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs, held)
     if smallest <= 1e-6:        # zero up to round-off in a spectrum of size 1
         raise ProblemError(f"penalty={_Words(method.penalty)} loses coercivity on this mesh, order and material (smallest "
                            f"eigenvalue {smallest:.3g} of the form against its energy norm); {_Remedy(method, form.bound)}")
 
 
-def CheckSum(form, matrix, freedofs):
+def CheckSum(form, matrix, freedofs, held=None):
     """Raise ProblemError if B_h with added forms, whose matrix is given, is not coercive."""
-    smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs)
+    smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs, held)
     if smallest <= 1e-6:
         raise ProblemError(f"with the forms that were added B_h is not coercive (smallest eigenvalue {smallest:.3g} against "
                            "g_h + penalty); look at their sign and size, or take a larger penalty")

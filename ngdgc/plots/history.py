@@ -2,6 +2,7 @@
 
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 from .canvas import BLUE, VERMILION
 
@@ -19,7 +20,8 @@ def HistoryFigure(solution):
                                        ("residual", VERMILION, "--s", "law residual")):
         values = np.array([getattr(step, name) for step in history], dtype=float)
         axes.plot(number, np.where(values > 0, values, np.nan), style, color=colour, markersize=3, linewidth=1.2, label=label)
-    axes.set(xlabel="iteration", ylabel="no unit")
+    axes.set(xlabel="iteration", ylabel="no unit", xlim=(0.5, max(number, default=1) + 0.5))
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#DDDDDD", linewidth=0.6)
     axes.legend(frameon=False)

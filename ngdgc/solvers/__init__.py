@@ -2,6 +2,7 @@
 
 from ..discretization import Discretization
 from .contraction import Contraction, EstimateContraction
+from .multistart import MultiStart
 from .nested import NestedNewtonSolver
 from .newton import SemismoothNewtonSolver
 from .uzawa import UzawaSolver

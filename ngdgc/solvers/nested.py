@@ -11,6 +11,7 @@ from ..coarsening import CoarserMesh
 from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError
 from ..solution import Level
+from .multistart import MultiStart
 from .newton import SemismoothNewtonSolver
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
@@ -42,8 +43,9 @@ class NestedNewtonSolver:
     def Solve(self, disc, *, callback=None):
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh.
 
-        Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest and
-        under load continuation; SolveInterrupted, with the last iterate, on Ctrl-C on the last mesh.
+        Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest, under
+        load continuation and from random starts (`MultiStart`); SolveInterrupted, with the last iterate, on Ctrl-C on the last
+        mesh.
         """
         solver = SemismoothNewtonSolver(tol=self.tol)
         if not isinstance(disc, Discretization):
@@ -52,18 +54,26 @@ class NestedNewtonSolver:
         for coarse in _Coarse(disc, self.coarser):
             try:
                 start, seconds = _Timed(solver, coarse, start)
-            except NotConvergedError:
+            except (NotConvergedError, ProblemError):
                 start = None        # it was to predict, no more: the next mesh starts from rest
                 continue
             levels.append(_Level(start, seconds))
-        try:
-            solution, seconds = _Timed(solver, disc, start, callback)
-        except NotConvergedError:
-            if start is None:
-                raise
-            solution, seconds = _Timed(solver, disc, None, callback)
+        solution, seconds = self._Finest(solver, disc, start, callback)
         solution.solver, solution.levels = repr(self), [*levels, _Level(solution, seconds)]
         return solution
+
+    def _Finest(self, solver, disc, prediction, callback):
+        """(solution, seconds) from the prediction, else from rest, else from other starts."""
+        for start in [prediction, None] if prediction else [None]:
+            try:
+                return _Timed(solver, disc, start, callback)
+            except NotConvergedError as error:
+                failure = error
+        begin = time.perf_counter()
+        found = MultiStart(disc, tol=self.tol)
+        if found:
+            return found[0], time.perf_counter() - begin
+        raise failure
 
 
 def _Timed(solver, disc, coarse, callback=None):
@@ -78,25 +88,31 @@ def _Level(solution, seconds):
 
 
 def _Coarse(disc, meshes):
-    """Discretizations on coarser meshes, the coarsest first."""
-    if meshes is None:
-        found = []
-        mesh, points = disc.mesh, len(disc.contact.weights)
-        while points > COARSEST:
-            mesh = CoarserMesh(mesh)
-            if mesh is None:
-                break
-            found.insert(0, Coarser(disc, mesh))
-            if len(found[0].contact.weights) >= points:
-                break
-            points = len(found[0].contact.weights)
-        return found
-    return [Coarser(disc, mesh) for mesh in meshes]
+    """Discretizations that predict, the coarsest first: on the meshes given, else on meshes made for the purpose.
+
+    Where no mesh can be made, or the data cannot be evaluated on it, order 1 on the same mesh predicts for higher orders.
+    """
+    if meshes is not None:
+        return [Coarser(disc, mesh, disc.order) for mesh in meshes]
+    found, mesh, points = [], disc.mesh, len(disc.contact.weights)
+    while points > COARSEST:
+        mesh = CoarserMesh(mesh)
+        try:
+            coarse = mesh and Coarser(disc, mesh, disc.order)
+        except ProblemError:
+            coarse = None
+        if coarse is None or len(coarse.contact.weights) >= points:
+            break
+        found.insert(0, coarse)
+        points = len(coarse.contact.weights)
+    if not found and points > COARSEST and disc.order > 1:
+        return [Coarser(disc, disc.mesh, 1)]
+    return found
 
 
-def Coarser(disc, mesh):
-    """The problem of a Discretization on another mesh, without the forms that were added: it only predicts."""
-    return Discretization(disc.problem, disc.method, mesh, order=disc.order, assembly=disc.assembly)
+def Coarser(disc, mesh, order):
+    """The problem of a Discretization on another mesh or of another order, without the forms that were added: it predicts."""
+    return Discretization(disc.problem, disc.method, mesh, order=order, assembly=disc.assembly)
 
 
 def Transfer(coarse, contact):

@@ -9,14 +9,17 @@ from ..coefficients import IsNumber
 from ..compliance import Apply, Compliance
 from ..discretization import Discretization
 from ..exceptions import ProblemError
-from ..graph import ContactGraph
+from ..graph import ContactGraph, Scales
 from .driver import Drive, Iterate, LawResidual
 from .recycling import Recycled
+from .stiffness import BodyStiffness, LawStiffness
 
-CAP = 100           # largest stiffness put into the matrix, in units of the body's own at the scale of a facet
 FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
-FORCING = 1e-3, 1e-6    # relative residual of the linear equations: first and smallest
+FORCING = 1e-3      # relative residual of the linear equations
+ACCURATE = 1e-9     # the smallest one that is asked for
+SAMEPIECE = 0.1     # change of dt/dq, which is between 0 and 1, that tells pieces of the graph apart
+GOAL = 0.1          # part of the tolerance at which the last linear equation aims
 LINEAR = 200        # applications of an inverse for one linear equation
 HALVINGS = 8        # of a Newton step
 DECREASE = 1e-4     # relative decrease of the merit function that a full step must bring
@@ -24,7 +27,7 @@ RENEW = 20          # applications of an inverse that a factorisation without pr
 SETTLED = 1e-3      # ratio of merits after a step that hardly changed the zones
 PATIENCE = 8        # steps in which the merit function must halve
 SMALL = 1e-8        # law residuals below this that do not shrink are round-off
-LOADSTEP = 1 / 128  # smallest step of the load continuation
+LOADSTEP = 1 / 32   # smallest step of the load continuation
 CORRECTIONS = 12    # Newton steps for one load
 
 
@@ -37,11 +40,13 @@ class SemismoothNewtonSolver:
     does not depend on the stiffness of the foundation, and piecewise smooth; its generalised derivative dU/dq + S dt/dq
     contains the dependence of the friction bound on the penetration and is not symmetric.
 
-    * Linear equations by conjugate residuals that recycle all products with S (`recycling`), to a relative residual of 1e-3 at
-      first and 1e-6 at last, preconditioned by d x d blocks at the points.
+    * Linear equations by conjugate residuals that recycle all products with S (`recycling`) and are preconditioned by d x d
+      blocks at the points; to a relative residual of 1e-3, and to the tolerance of the whole where a step stays on one smooth
+      piece of the graph.
     * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
       a body that nothing but its foundation holds.
-    * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls the load is raised in steps, starting from rest.
+    * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls and no start was given, the load is raised in
+      steps that adapt, from rest.
 
     tol : of the law residual (`graph.Distance`), no unit
     maxiter : limit of Newton steps
@@ -64,8 +69,8 @@ class SemismoothNewtonSolver:
 
         start : (displacement, traction), both (n, d), at the contact points, such as those of a similar problem; None: rest
 
-        Raises NotConvergedError, with the history and the likely cause, if the iteration stalls, also under load continuation;
-        SolveInterrupted, with the last iterate, on Ctrl-C.
+        Raises NotConvergedError, with the history and the likely cause, if the iteration stalls, from rest also under
+        load steps; SolveInterrupted, with the last iterate, on Ctrl-C.
         """
         if not isinstance(disc, Discretization):
             raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
@@ -75,28 +80,6 @@ class SemismoothNewtonSolver:
                                f"contact points, both {shape}")
         run = NewtonRun(self, disc, start)
         return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
-
-
-def BodyStiffness(disc):
-    """gamma (n,) [stress/length]: what the body opposes to a traction on one facet of diameter h, 2 mu k/h."""
-    contact = disc.contact
-    _, facet = np.unique(contact.facets, return_inverse=True)
-    measure = np.bincount(facet, contact.weights)[facet]
-    return 2 * disc.order * disc.problem.material.ShearAt(contact.inside) / measure ** (1 / (contact.dim - 1))
-
-
-def LawStiffness(point, scale, normals):
-    """D (n, d, d) [stress/length]: the slope dt/du of the law at points of its graph, between 0 and CAP gamma.
-
-    Without the coupling of friction to the penetration, which is not symmetric.
-    """
-    normal = normals[:, :, None] * normals[:, None, :]
-    tangential = np.eye(normals.shape[1]) - normal
-    slope = normal @ point.derivative @ normal + tangential @ point.derivative @ tangential
-    share, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
-    share = np.clip(share, 0, 1)        # dt/dq = D/(gamma + D); slip weakening has negative slopes
-    stiffness = scale[:, None] * share / (1 - share + share / CAP)
-    return (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)
 
 
 @dataclass(frozen=True)
@@ -123,6 +106,7 @@ class NewtonRun:
         self.graph = ContactGraph(disc.contact, self.scale)
         self.weights = disc.contact.weights[:, None]
         self.held = not disc.unresisted
+        self.given = start is not None
         self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
         self.steps, self.zones = [], []
         self._Factorise(self.start, predicted=start is not None)
@@ -160,7 +144,8 @@ class NewtonRun:
         state = self._Evaluate(self.start)
         yield state.iterate
         yield from self._Newton(state)
-        if self._Roundoff():
+        # Continuation starts from rest whatever the start was; who gave one has his own next choice.
+        if self._Roundoff() or self.given:
             return
         state = self._Continuation()
         if state is not None:
@@ -193,8 +178,11 @@ class NewtonRun:
         before, best, length = self.disc.solves, None, 1.0
         if state.merit == 0:
             return state
-        last = self.steps[-1][2] if self.steps else 1.0
-        step = self._Direction(state, float(np.clip(0.1 * last, FORCING[1], FORCING[0])))
+        step = self._Direction(state, FORCING)
+        trial = self.graph.At(state.point.q + step)
+        if np.abs(trial.derivative - state.point.derivative).max() < SAMEPIECE:
+            # The step stays on one smooth piece, so its equation is the last one that matters, and worth solving well.
+            step = self._Direction(state, float(np.clip(GOAL * self.solver.tol / self._Error(state), ACCURATE, FORCING)))
         applications = self.disc.solves - before
         for _ in range(HALVINGS + 1):
             trial = self._Evaluate(self.graph.At(state.point.q + length * step), load)
@@ -206,6 +194,11 @@ class NewtonRun:
         self.steps.append((chosen, applications, best.merit / state.merit))
         self.zones.append(best.point.zones)
         return best
+
+    def _Error(self, state):
+        """Largest difference between the point of the graph and the iterate, in displacement and traction, no unit."""
+        uscale, tscale = Scales(self.contact, state.iterate.displacement, state.iterate.traction)
+        return max(np.abs(state.F).max() / uscale, np.abs(Apply(self.stiffness, state.F)).max() / tscale)
 
     def _Direction(self, state, forcing):
         """Newton's step in q, (n, d), from the linear equation for s = (dt/dq - D dU/dq) dq.
@@ -257,23 +250,27 @@ class NewtonRun:
         """Cause and remedy of a failure."""
         if reason == "slow":
             return "Newton reached its limit of steps while still making progress; raise maxiter", None
-        lengths = [length for length, _, _ in self.steps]
-        if self.steps and LawResidual(self.contact, self.last) < SMALL:
+        if LawResidual(self.contact, self.last) < SMALL:
             return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", None
         period = self._Period()
         if period:
             changing = int(np.sum(np.any(np.array(self.zones[-period:]) != self.zones[-1], axis=0)))
             what = f"Newton cycles with period {period} between states that differ in the zones of {changing} points"
         else:
-            what = f"Newton stagnates: its last steps were shortened to {min(lengths, default=1):.2g}"
-        return (f"{what}, and raising the load in steps did not help.  With strong friction that grows with the pressure, or a "
-                "law that is not monotone, there may be several solutions or none nearby.  Remedy: a smaller friction "
-                "coefficient, another start, or a finer mesh at the ends of the zones"), None
+            what = f"Newton stagnates, its last step shortened to {self.steps[-1][0] if self.steps else 1:.2g}"
+        if not self.given:
+            what += ", and raising the load in steps did not help"
+        if self.disc.unresisted:
+            return (f"{what}.  The foundation alone resists {self.disc.unresisted}: there is no equilibrium if the loads pull "
+                    "the body off or push it along harder than friction holds.  Remedy: other loads, dirichlet or roller"), None
+        return (f"{what}.  With strong friction that grows with the pressure, or a law that is not monotone, there may be "
+                "several solutions or none nearby.  Remedy: a smaller friction coefficient, other starts (MultiStart), or a "
+                "finer mesh at the ends of the zones"), None
 
     def _Period(self):
-        """Smallest number of steps after which the zones come back, twice; 0 if they do not."""
-        for period in range(1, PATIENCE + 1):
+        """Smallest number of steps > 1 after which the zones come back, twice; 0 if they do not."""
+        for period in range(2, PATIENCE + 1):
             recent = self.zones[-2 * period - 1:]
             if len(recent) == 2 * period + 1 and all(np.array_equal(a, b) for a, b in zip(recent[:-period], recent[period:])):
-                return period if period > 1 or self.steps[-1][2] > 0.5 else 0
+                return 0 if np.array_equal(recent[-1], recent[-2]) else period
         return 0

@@ -7,9 +7,13 @@ in the least squares sense on all vectors s of the past, at no cost, and only wh
 
 import numpy as np
 
+from ..parallel import Batched
+
+MEMORY = 400    # pairs kept: the singular value decomposition of more costs as much as the products that it saves
+
 
 class Recycled:
-    """Pairs (s, S_D s) of one compliance operator, and the equations solved with them.
+    """Pairs (s, S_D s) of one compliance operator, the last MEMORY of them, and the equations solved with them.
 
     compliance : has Response(s) = S_D s;  weights (n,) of the contact points
     """
@@ -24,10 +28,11 @@ class Recycled:
         image = self.compliance.Response(s)
         length = np.linalg.norm(self.root * s)
         if length > 0:
-            self.arguments.append(s / length)
-            self.images.append(image / length)
+            self.arguments = self.arguments[1 - MEMORY:] + [s / length]
+            self.images = self.images[1 - MEMORY:] + [image / length]
         return image
 
+    @Batched
     def Solve(self, Local, b, *, tol, maxiter):
         """(s, S_D s) with |b - M s| <= tol |b| in L2(Gamma_C), M s = s + Local(S_D s, s); at most maxiter new applications.
 

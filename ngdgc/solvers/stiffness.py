@@ -1,0 +1,27 @@
+"""How stiff body and foundation are at a point of Gamma_C."""
+
+import numpy as np
+
+CAP = 100       # largest stiffness of the foundation that goes into a matrix, in units of the body's at the scale of a facet
+
+
+def BodyStiffness(disc):
+    """gamma (n,) [stress/length]: what the body opposes to a traction on one facet of diameter h, 2 mu k/h."""
+    contact = disc.contact
+    _, facet = np.unique(contact.facets, return_inverse=True)
+    measure = np.bincount(facet, contact.weights)[facet]
+    return 2 * disc.order * disc.problem.material.ShearAt(contact.inside) / measure ** (1 / (contact.dim - 1))
+
+
+def LawStiffness(point, scale, normals):
+    """D (n, d, d) [stress/length]: the slope dt/du of the law at points of its graph, between 0 and CAP gamma.
+
+    Without the coupling of friction to the penetration, which is not symmetric.
+    """
+    normal = normals[:, :, None] * normals[:, None, :]
+    tangential = np.eye(normals.shape[1]) - normal
+    slope = normal @ point.derivative @ normal + tangential @ point.derivative @ tangential
+    share, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
+    share = np.clip(share, 0, 1)        # dt/dq = D/(gamma + D); slip weakening has negative slopes
+    stiffness = scale[:, None] * share / (1 - share + share / CAP)
+    return (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)

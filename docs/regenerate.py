@@ -1,6 +1,6 @@
-"""Write everything in the documentation that is computed: `python docs/regenerate.py`, a quarter of an hour on two cores.
+"""Write everything in the documentation that is computed: `python docs/regenerate.py`, half an hour on two cores.
 
-images/*.png, examples.md, convergence.md, table3.md and stability.md; nothing in them is typed by hand.
+images/*.png, examples.md, convergence.md, table3.md, stability.md, atlas.md and atlas.csv; nothing in them is typed by hand.
 """
 
 from dataclasses import replace
@@ -8,7 +8,7 @@ from itertools import product
 from pathlib import Path
 
 from ngdgc import (Conforming, Discretization, EstimateContraction, InteriorPenalty, NormalCompliance, NotConvergedError,
-                   UzawaSolver, convergence, locking, stabilitystudy, table3)
+                   UzawaSolver, atlas, atlaspage, convergence, locking, stabilitystudy, table3)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.exact import SmoothSlip
 from ngdgc.plots import ContactFigure, ConvergenceFigure, DeformedFigure, LockingFigure, SettingFigure
@@ -114,3 +114,4 @@ if __name__ == "__main__":
     (DOCS / "examples.md").write_text(ExamplesPage(), encoding="utf-8")
     (DOCS / "table3.md").write_text(table3.Page(table3.Study()), encoding="utf-8")
     (DOCS / "stability.md").write_text(stabilitystudy.StabilityPage(), encoding="utf-8")
+    atlaspage.WritePage(DOCS / "atlas.md", list(atlas.Study(atlas.Sweeps())), atlas.Sweeps())

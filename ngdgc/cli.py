@@ -18,6 +18,7 @@ EPILOG = """examples:
   ngdgc table3                                                 Table 3 of the paper beside ours
   ngdgc convergence --method all --order 1 2 --cells triangle  errors and orders on a smooth solution
   ngdgc locking                                                errors of nearly incompressible bodies
+  ngdgc atlas --quick                                          what all solvers take, on a few small problems
 
 exit codes: 0 solved, 1 not converged (what was computed is written), 2 wrong input, 130 interrupted"""
 

@@ -1,4 +1,4 @@
-"""The commands that compare methods: Table 3, convergence, locking, cost."""
+"""The commands that compare methods and solvers: Table 3, convergence, locking, atlas, cost."""
 
 import sys
 from pathlib import Path
@@ -36,6 +36,15 @@ def AddStudies(commands):
                          help="values of Lame's lam, with mu = 2 (default 1 10 ... 1e6)")
     locking.add_argument("--out", default="results", help="folder for table and figure (default results/)")
     locking.set_defaults(command=Locking)
+
+    survey = commands.add_parser("atlas", help="iterations, applications of an inverse and seconds of all solvers",
+                                 description="All solvers on contact problems that vary stiffness, friction, mesh, order, "
+                                 "method and dimension: tables, figures, and a file of all numbers that grows as they come.")
+    survey.add_argument("--quick", action="store_true", help="a few tiny problems (a quarter of a minute; else ten minutes)")
+    survey.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout docs/atlas.md), with "
+                        "figures in images/ and atlas.csv beside it")
+    survey.add_argument("--out", default="results", help="folder for tables, figures and atlas.csv (default results/)")
+    survey.set_defaults(command=Atlas)
 
     bench = commands.add_parser("bench", help="what things cost beside the factorisation of the matrix")
     benches = bench.add_subparsers(metavar="WHAT", required=True)
@@ -106,6 +115,32 @@ def Locking(options):
     sweeps = [Study(method, order=order, n=options.n, lam=options.lam, callback=_Show)
               for method in methods.values() for order in options.order]
     _Write(folder, "locking", Text(sweeps), {"locking": LockingFigure(sweeps)})
+    return 0
+
+
+def Atlas(options):
+    """All solvers on all problems; what was computed is written and printed also after Ctrl-C."""
+    from . import atlas
+    from .atlaspage import Figures, Table, Text, WritePage
+
+    sweeps, rows = atlas.QuickSweeps() if options.quick else atlas.Sweeps(), []
+    folder = Folder(options.out)
+    table = Table(folder / "atlas.csv")
+    try:
+        for row in atlas.Study(sweeps, limit=atlas.QUICK if options.quick else atlas.LIMIT, callback=_Show):
+            rows.append(row)
+            table.Add(row)
+    except OSError as error:
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+    finally:
+        if rows:
+            _Write(folder, "atlas", Text(rows, sweeps), Figures(rows, sweeps))
+    if options.page:
+        try:
+            WritePage(options.page, rows, sweeps)
+        except OSError as error:
+            raise ProblemError(f"cannot write {options.page}: {error.strerror}") from error
+        print(f"written to {options.page}")
     return 0
 
 

@@ -27,9 +27,11 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["solvers.uzawa", "solvers.newton"], ["solvers.multistart"], ["solvers.nested"],
           ["solvers.__init__"], ["uniqueness"], ["__init__"],
           ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
-          ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"],
+          ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies",
+           "plots.atlas"],
           ["plots.__init__"],
-          ["bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]
+          ["atlas"],
+          ["atlaspage", "bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]
 
 
 def test_tests_run_against_the_installed_package():

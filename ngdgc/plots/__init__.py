@@ -3,6 +3,7 @@
 Every function returns a matplotlib Figure and leaves pyplot and its backends alone: DeformedFigure(solution).savefig("u.png").
 """
 
+from .atlas import AtlasFigure
 from .canvas import ZONE_COLOURS
 from .contact import ContactFigure
 from .deformed import DeformedFigure

@@ -198,7 +198,8 @@ def test_interrupt_keeps_the_last_iterate_and_callback_sees_every_step(solver):
 
     with pytest.raises(SolveInterrupted) as stop:
         solver.Solve(disc, callback=Interrupt)
-    assert len(stop.value.solution.history) == len(steps) and not stop.value.solution.converged and stop.value.solution.energy > 0
+    assert len(stop.value.solution.history) == len(steps)
+    assert not stop.value.solution.converged and stop.value.solution.energy > 0
 
 
 def test_a_start_near_the_solution_saves_steps_and_a_bad_one_does_no_harm():

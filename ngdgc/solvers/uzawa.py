@@ -177,6 +177,8 @@ class _Explicit(_Run):
                     f"a stiffer body, or {self.remedies}, which treat the normal compliance implicitly"), number
         if number.normal + number.friction >= 1:
             factor = (1 - number.normal) / number.friction
+            if self.solver.rho == "auto":       # chosen at u^0, where other zones were in contact
+                return f"Uzawa cycles because its step is too large ({numbers}).  Remedy: {self.remedies}", number
             return f"Uzawa cycles because {rho} is too large ({numbers}).  Remedy: {factor:.2g} of it, or rho='auto'", number
         return (f"Uzawa cycles although its numbers predict convergence ({numbers}): the friction bound depends on "
                 "the penetration and is lagged.  Remedy: a smaller friction coefficient, a smaller rho, or "

@@ -15,6 +15,7 @@ from .solvers import NestedNewtonSolver
 SHARP = 1e-8        # of the law violation
 ALLOWED = 0.02      # part of the problems that may fail
 STEPS, SOLVES = 5, 60       # on the finest of several meshes
+FROMREST = 32       # cells per side up to which iterations from rest are counted
 
 
 @dataclass(frozen=True)
@@ -49,7 +50,7 @@ class Record:
 def Run(number, sample, *, solver=None, fromzero=None):
     """The `Record` of a Sample, solved by a solver, by default the one that `Discretization.Solve` takes.
 
-    fromzero : a second solver, `SemismoothNewtonSolver()`, whose steps from rest are recorded as well
+    fromzero : a second solver, `SemismoothNewtonSolver()`, whose steps from rest are recorded as well where h >= 1/32
     """
     known = {"number": number, "words": sample.words, "kind": sample.kind, "stiffness": sample.stiffness,
              "coefficient": sample.coefficient}
@@ -63,7 +64,7 @@ def Run(number, sample, *, solver=None, fromzero=None):
     return Record(**known, dofs=disc.space.ndof, zones=tuple((lengths / lengths.sum()).tolist()),
                   violation=float(Violation(solution).max()), steps=tuple(level.iterations for level in solution.levels),
                   solves=tuple(level.solves for level in solution.levels), seconds=seconds,
-                  fromzero=fromzero and _Steps(fromzero, disc))
+                  fromzero=_Steps(fromzero, disc) if fromzero and sample.n <= FROMREST else None)
 
 
 def _Steps(solver, disc):
@@ -76,10 +77,10 @@ def _Steps(solver, disc):
 def Violation(solution):
     """min(|p - p_n(r)|/t_s, |r - p_n^-1(p)|/u_s) and the same for friction, the larger one at every point, (n,), no unit.
 
-    For power laws p_n and the friction laws of the package; p_n^-1(0) is all of r <= 0, the friction graph all of |t| <= p_t at
-    u_t = 0.  t_s and u_s are the largest traction and displacement on Gamma_C, u_s not less than what t_s does to a body of the
-    size of Gamma_C; the scale of friction is its largest bound, at least 1e-3 t_s.  The bound belongs to the nearest point of
-    the normal law: from r itself round-off times k_n would come in.
+    For power laws p_n and the friction laws of the package; p_n^-1(0) is all of r <= 0, friction |t| <= p_t belongs to u_t = 0,
+    and friction of the size p_t to all u_t against it.  t_s and u_s are the largest traction and displacement on Gamma_C, u_s
+    not less than what t_s does to a body of the size of Gamma_C; the scale of friction is its largest bound, at least 1e-3 t_s.
+    The bound belongs to the nearest point of the normal law: from r itself round-off times k_n would come in.
     """
     contact, problem = solution.disc.contact, solution.disc.problem
     r, p, friction, slip = solution.penetration, solution.pressure, solution.friction, solution.slip
@@ -102,7 +103,11 @@ def Violation(solution):
     stick = np.maximum(slid / uscale, (size - bound) / fscale)
     direction = slip / np.where(slid > 0, slid, 1)[:, None]
     sliding = np.where(slid > 0, np.linalg.norm(friction + bound[:, None] * direction, axis=1) / fscale, np.inf)
-    return np.maximum(normal, np.minimum(stick, sliding))
+    # Friction of the size of the bound belongs to any slip against it: what is off is the part of the slip beside that ray.
+    against = -friction / np.where(size > 0, size, 1)[:, None]
+    along = np.maximum(np.sum(slip * against, axis=1), 0)
+    beside = np.linalg.norm(slip - along[:, None] * against, axis=1) / uscale
+    return np.maximum(normal, np.min([stick, sliding, np.maximum(np.abs(size - bound) / fscale, beside)], axis=0))
 
 
 def _Bound(law, r, p, slid):
@@ -139,7 +144,7 @@ def Sweep(samples, file, *, callback=None, **options):
     return records
 
 
-def Samples(seed, count, *, dofs=100_000):
+def Samples(seed, count, *, dofs=150_000):
     """Pairs (number, Sample) of a seed; see `Draw`."""
     for number in range(count):
         yield number, Draw(seed, number, dofs=dofs)

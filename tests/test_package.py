@@ -25,10 +25,11 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["fluxes", "resultants", "compliance", "coarsening"], ["solution"],
           ["solvers.driver", "solvers.recycling"], ["solvers.contraction", "solvers.steps"],
           ["solvers.uzawa", "solvers.newton"], ["solvers.nested"], ["solvers.__init__"], ["uniqueness"], ["__init__"],
-          ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
-          ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies"],
+          ["exact", "export", "plots.curves", "randomproblems", "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"],
+          ["consistency"], ["plots.solid"],
+          ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies", "plots.sweep"],
           ["plots.__init__"],
-          ["bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]
+          ["bench", "convergence", "grid", "locking", "output", "stabilitystudy", "sweep", "table3"], ["studies"], ["cli"]]
 
 
 def test_tests_run_against_the_installed_package():

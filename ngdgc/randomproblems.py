@@ -19,7 +19,7 @@ from .problem import ContactProblem
 
 ROWS = InteriorPenalty, BassiEtAl, BrezziEtAl, LDG, Conforming
 FRICTIONS = "coulomb", "coulomb", "coulomb", "tresca", "power", "weakening"
-LOADS = "top", "side", "pressure"
+LOADS = "top", "top", "side", "pressure", "pressure"
 USUAL = 10_000      # unknowns of most problems, so that many are solved in a minute
 SOLID = 4_000       # unknowns in 3D, where factors fill up
 # Discontinuous unknowns of order k in one of the n^d squares or cubes that make a mesh.
@@ -145,8 +145,8 @@ def _Friction(rng, kind, coefficient, pressure, stiffness, exponent, depth):
 
 def _Gap(rng, dim, depth):
     """A wavy or sloping foundation and its relief in units of the depth."""
-    relief = float(rng.choice([0.0, 0.5, 0.5, 1.0, 1.0, 2.0]))
-    waves, phase = rng.uniform(0.5, 4), rng.uniform(0, 2 * np.pi)
+    relief = float(rng.choice([0.0, *3 * [0.5], *5 * [1.0], 2.0]))
+    waves, phase = rng.uniform(0.5, 3), rng.uniform(0, 2 * np.pi)
     gap = relief * depth * 0.5 * (1 + cos(waves * np.pi * x + phase))
     if dim == 3:
         gap = gap + relief * depth * 0.25 * (1 + cos(np.pi * y + rng.uniform(0, 2 * np.pi)))

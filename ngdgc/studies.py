@@ -1,4 +1,4 @@
-"""The commands that compare methods and solvers: Table 3, convergence, locking, atlas, cost."""
+"""The commands that compare methods and try solvers: Table 3, convergence, locking, atlas, cost, sweep, grid."""
 
 import sys
 from pathlib import Path
@@ -58,6 +58,28 @@ def AddStudies(commands):
     assembly.add_argument("--n", type=Positive, default=256, help="cells per side (default 256: 786 432 unknowns at order 1)")
     assembly.add_argument("--repeat", type=Positive, default=3, help="runs, of which the medians are shown (default 3)")
     assembly.set_defaults(command=BenchAssembly)
+
+    _AddSweep(commands)
+
+
+def _AddSweep(commands):
+    sweep = commands.add_parser("sweep", help="solve random problems and count failures", description="Random problems in 2D "
+                                "and 3D with all methods and laws, soft and stiff foundations: every result is a line of "
+                                "sweep.jsonl as soon as it is there; a tally and a figure at the end, also after Ctrl-C.")
+    sweep.add_argument("--count", type=Positive, default=500, help="number of problems (default 500)")
+    sweep.add_argument("--seed", type=Positive, default=1, help="seed of the random numbers (default 1)")
+    sweep.add_argument("--dofs", type=Positive, default=150_000, help="largest number of unknowns, about (default 150000)")
+    sweep.add_argument("--out", default="results", help="folder for results, tally and figure (default results/)")
+    sweep.set_defaults(command=RandomSweep)
+
+    grid = commands.add_parser("grid", help="solve problems on a grid of parameters and count failures", description="Geometry "
+                               "x coefficient of friction x k_n/E x h x order with interior penalty, the default solver and "
+                               "Newton's method from rest; files and Ctrl-C as for sweep.")
+    grid.add_argument("--geometry", nargs="+", help="4.1, 4.2, block, unstructured, cad (default: all)")
+    grid.add_argument("--all", action="store_true", help="the whole grid, up to h = 1/256 and order 4, for a night; by default "
+                      "a part of it, for some minutes")
+    grid.add_argument("--out", default="results", help="folder for results, tally and figure (default results/)")
+    grid.set_defaults(command=ParameterGrid)
 
 
 def _AddMethod(parser, forms=False):
@@ -174,3 +196,39 @@ def Table3(options):
             raise ProblemError(f"cannot write {page}: {error.strerror}") from error
         print(f"\nwritten to {page}")
     return 0
+
+
+def RandomSweep(options):
+    """Random problems."""
+    from .sweep import Samples
+
+    title = f"sweep, seed {options.seed}, {options.count} problems"
+    return _Solve("sweep", title, Samples(options.seed, options.count, dofs=options.dofs), options.count, options.out)
+
+
+def ParameterGrid(options):
+    """The grid of parameters."""
+    from .grid import Grid
+    from .solvers import SemismoothNewtonSolver
+
+    samples = Grid(options.geometry, everything=options.all)
+    return _Solve("grid", f"grid, {len(samples)} problems", samples, len(samples), options.out,
+                  fromzero=SemismoothNewtonSolver())
+
+
+def _Solve(name, title, samples, count, out, **options):
+    """Solve samples, write and print what became of them; 1 if too many failed, 130 after Ctrl-C."""
+    from .plots import SweepFigure
+    from .sweep import ALLOWED, Line, Sweep, Tally
+
+    folder = Folder(out)
+    print(title, flush=True)
+    try:
+        with open(folder / f"{name}.jsonl", "w", encoding="utf-8") as file:
+            records = Sweep(samples, file, callback=lambda record: _Show(Line(record)), **options)
+    except OSError as error:
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+    _Write(folder, name, f"{title}\n{Tally(records)}", {name: SweepFigure(records)})
+    if len(records) < count:
+        return 130
+    return int(sum(bool(record.error) for record in records) > ALLOWED * count)

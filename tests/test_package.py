@@ -26,12 +26,14 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["solvers.driver", "solvers.recycling", "solvers.stiffness"], ["solvers.contraction", "solvers.steps"],
           ["solvers.uzawa", "solvers.newton"], ["solvers.multistart"], ["solvers.nested"],
           ["solvers.__init__"], ["uniqueness"], ["__init__"],
-          ["exact", "export", "plots.curves", "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
+          ["exact", "export", "plots.curves", "randomproblems",
+           "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
           ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies",
-           "plots.atlas"],
+           "plots.atlas", "plots.sweep"],
           ["plots.__init__"],
           ["atlas"],
-          ["atlaspage", "bench", "convergence", "locking", "output", "stabilitystudy", "table3"], ["studies"], ["cli"]]
+          ["atlaspage", "bench", "convergence", "grid", "locking", "output", "stabilitystudy", "sweep", "table3"],
+          ["studies"], ["cli"]]
 
 
 def test_tests_run_against_the_installed_package():

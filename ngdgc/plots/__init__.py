@@ -10,3 +10,4 @@ from .deformed import DeformedFigure
 from .history import HistoryFigure
 from .setting import SettingFigure
 from .studies import ConvergenceFigure, LockingFigure
+from .sweep import SweepFigure

@@ -56,8 +56,8 @@ class Discretization:
         self.unresisted = UnresistedMotion(problem, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
         # With more points than traces u_t = 0 at the points of a sticking facet would over-determine u, and t not be unique.
-        # The rules of degree 6 and 8 for triangles have 12 and 16 points for 10 and 15 traces.
-        many = method.discontinuous and (mesh.dim == 2 or self.order < 3)
+        # The rule of degree 6 for triangles has 12 points for 10 traces.
+        many = method.discontinuous and (mesh.dim == 2 or self.order != 3)
         degree = 2 * self.order if many else 2 * self.order - 2
         self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), degree)
         self.solves, self.addedmatrices, self.addedloads = 0, [], []

@@ -174,6 +174,9 @@ class BoundaryQuadrature:
     def On(cls, facets, region, order):
         mesh, dim = facets.mesh, facets.mesh.dim
         rules = {et: IntegrationRule(et, order) for et in BOUNDARY_TYPES[dim]}
+        if order == 0:
+            # Conforming traces of order 1 are determined by their values at the vertices, which neighbours share.
+            rules[TRIG] = IntegrationRule([(0, 0), (1, 0), (0, 1)], [1 / 6] * 3)
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
         jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)
         measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))

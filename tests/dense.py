@@ -48,7 +48,8 @@ def DenseNewton(disc, scale):
             vector = Response(disc.load - load @ (2 * at.traction.ravel() - q))
             return ContactSolution(disc, vector, at.traction)
         derivative = sp.block_diag(list(at.derivative)).toarray()
-        step = np.linalg.solve((unit - derivative) / scale + compliance @ (2 * derivative - unit), -residual)
+        # Where points outnumber traces t has a part that nothing determines: the step without it.
+        step = np.linalg.lstsq((unit - derivative) / scale + compliance @ (2 * derivative - unit), -residual, rcond=1e-12)[0]
         for damping in 0.5 ** np.arange(11):
             tried = Residual(q + damping * step)
             if np.linalg.norm(tried[0]) < np.linalg.norm(residual):

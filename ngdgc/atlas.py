@@ -85,21 +85,9 @@ class Point:
     def Discretization(self):
         """A new one, with its matrix but without a factorisation."""
         mesh = {"block": RectangleMesh, "box": BoxMesh}.get(self.problem) or EXAMPLES[self.problem].Mesh
-        disc = Clocked(self.contactproblem, Variants()[self.method], mesh(self.n), order=self.order)
+        disc = Discretization(self.contactproblem, Variants()[self.method], mesh(self.n), order=self.order)
         disc.matrix     # noqa: B018  made here: every solver needs it, and none is charged for it
         return disc
-
-
-class Clocked(Discretization):
-    """A Discretization that knows how long its factorisations took, `factorisation` [s]."""
-
-    factorisation = 0.0
-
-    def Factorise(self, matrix):
-        start = time.perf_counter()
-        inverse = super().Factorise(matrix)
-        self.factorisation += time.perf_counter() - start
-        return inverse
 
 
 VARIABLES = {"problem": "problem", "stiffness": "stiffness k_n/E", "coefficient": "friction coefficient",

@@ -1,5 +1,6 @@
 """A problem on a mesh: space, matrix A, load f, inverse, and Gamma_C."""
 
+import time
 from functools import cached_property
 
 import numpy as np
@@ -36,7 +37,7 @@ class Discretization:
     ----------
     space : the NGSolve space V_h;  matrix : NGSolve's matrix A;  load : coefficients of f, (ndof,)
     form : B_h with its numerical fluxes;  contact : ContactBoundary
-    solves : how often the inverse was applied
+    solves : how often an inverse was applied;  factorisation : seconds that factorisations took
     """
 
     def __init__(self, problem, method, mesh, *, order=1, assembly="facet"):
@@ -60,7 +61,7 @@ class Discretization:
         many = method.discontinuous and (mesh.dim == 2 or self.order != 3)
         degree = 2 * self.order if many else 2 * self.order - 2
         self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), degree)
-        self.solves, self.addedmatrices, self.addedloads = 0, [], []
+        self.solves, self.factorisation, self.addedmatrices, self.addedloads = 0, 0.0, [], []
 
     def __repr__(self):
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "
@@ -208,10 +209,13 @@ class Discretization:
 
     def Factorise(self, matrix):
         """The inverse of a matrix on the free dofs, by NGSolve; symmetric if A is."""
+        start = time.perf_counter()
         with Threads(self.mesh):
             # A Cholesky factorisation of an unsymmetric matrix would be wrong without a word.
             kind = "sparsecholesky" if self.symmetric else "umfpack"
-            return matrix.Inverse(self.space.FreeDofs(), inverse=kind)
+            inverse = matrix.Inverse(self.space.FreeDofs(), inverse=kind)
+        self.factorisation += time.perf_counter() - start
+        return inverse
 
     def Multiply(self, vector):
         """A u, (ndof,) -> (ndof,)."""

@@ -58,7 +58,7 @@ def ObservedRate(history):
 class Level:
     """What one mesh of a nested iteration took: its size, iterations, applications of an inverse, and seconds.
 
-    The seconds contain matrix and factorisation.
+    factorisation : seconds of it that factorised;  seconds : in all, with the matrix where that was not there before
     """
 
     elements: int
@@ -66,6 +66,7 @@ class Level:
     points: int
     iterations: int
     solves: int
+    factorisation: float
     seconds: float
 
 

@@ -87,7 +87,8 @@ def _Timed(solver, disc, coarse, callback=None):
 
 def _Level(solution, seconds):
     disc = solution.disc
-    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(solution.history), disc.solves, seconds)
+    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(solution.history), disc.solves,
+                 disc.factorisation, seconds)
 
 
 def _Coarse(disc, meshes):

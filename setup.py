@@ -20,6 +20,6 @@ setup(
     # webgui_jupyter_widgets carries the viewer's JavaScript, which a page that opens without a network must embed;
     # threadpoolctl keeps BLAS threads out of batches of small matrices.
     install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "threadpoolctl>=3", "webgui_jupyter_widgets"],
-    extras_require={"test": ["pytest", "ruff"]},
+    extras_require={"test": ["pytest", "ruff"], "mkl": ["mkl"]},
     entry_points={"console_scripts": ["ngdgc = ngdgc.cli:Main"]},
 )

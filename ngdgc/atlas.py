@@ -82,10 +82,14 @@ class Point:
         return ContactProblem(HookeMaterial(E=YOUNG[self.problem], nu=0.3),
                               Foundation("bottom", law, friction=friction, gap=gap), dirichlet={"top": CF(shift)})
 
+    def Mesh(self):
+        """The mesh of n cells per side."""
+        mesh = {"block": RectangleMesh, "box": BoxMesh}.get(self.problem) or EXAMPLES[self.problem].Mesh
+        return mesh(self.n)
+
     def Discretization(self):
         """A new one, with its matrix but without a factorisation."""
-        mesh = {"block": RectangleMesh, "box": BoxMesh}.get(self.problem) or EXAMPLES[self.problem].Mesh
-        disc = Discretization(self.contactproblem, Variants()[self.method], mesh(self.n), order=self.order)
+        disc = Discretization(self.contactproblem, Variants()[self.method], self.Mesh(), order=self.order)
         disc.matrix     # noqa: B018  made here: every solver needs it, and none is charged for it
         return disc
 

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from . import __version__
 from .arguments import Finite, Folder, NumberOrAuto, Positive
+from .benchcommands import AddBench
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .studies import AddStudies
 
@@ -19,6 +20,7 @@ EPILOG = """examples:
   ngdgc convergence --method all --order 1 2 --cells triangle  errors and orders on a smooth solution
   ngdgc locking                                                errors of nearly incompressible bodies
   ngdgc atlas --quick                                          what all solvers take, on a few small problems
+  ngdgc bench --quick                                          what a solution costs, on a few small problems
 
 exit codes: 0 solved, 1 not converged (what was computed is written), 2 wrong input, 130 interrupted"""
 
@@ -58,6 +60,7 @@ def _Parser():
     listing = commands.add_parser("cases", help="list the cases that come with the package")
     listing.set_defaults(command=ListCases)
     AddStudies(commands)
+    AddBench(commands)
     _AddStability(commands)
     return parser
 

@@ -11,6 +11,7 @@ from .coefficients import LOADBONUS, Unfolded
 from .contact import ContactBoundary
 from .exceptions import ProblemError
 from .facets import Csr, Facets, Native, Threads
+from .inverses import Inverse, Kind
 from .problem import ContactProblem
 from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
@@ -29,6 +30,7 @@ class Discretization:
     mesh : ngsolve.Mesh, 2D or 3D; curve it (mesh.Curve(order)) before, if its boundary is curved
     order : polynomial degree k of the displacement
     assembly : "facet", blocks on facets and elements, or "skeleton", NGSolve's symbols: the same matrix, slower and readable
+    inverse : what solves the linear equations (`inverses` module), "auto" by symmetry and size
 
     Raises ProblemError for data that do not fit the mesh, here, and for a lost coercivity or a body that only its
     foundation holds, when the matrix is first needed.
@@ -40,7 +42,7 @@ class Discretization:
     solves : how often an inverse was applied;  factorisation : seconds that factorisations took
     """
 
-    def __init__(self, problem, method, mesh, *, order=1, assembly="facet"):
+    def __init__(self, problem, method, mesh, *, order=1, assembly="facet", inverse="auto"):
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
         if isinstance(method, type) or not hasattr(method, "Form"):
@@ -61,6 +63,7 @@ class Discretization:
         many = method.discontinuous and (mesh.dim == 2 or self.order != 3)
         degree = 2 * self.order if many else 2 * self.order - 2
         self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), degree)
+        self._inverse = inverse
         self.solves, self.factorisation, self.addedmatrices, self.addedloads = 0, 0.0, [], []
 
     def __repr__(self):
@@ -207,13 +210,16 @@ class Discretization:
                                "SemismoothNewtonSolver(), which put contact stiffness into it, or add dirichlet or roller")
         return self.Factorise(self.matrix)
 
+    @cached_property
+    def inversekind(self):
+        """What solves the linear equations (`inverses` module)."""
+        return Kind(self, self._inverse)
+
     def Factorise(self, matrix):
-        """The inverse of a matrix on the free dofs, by NGSolve; symmetric if A is."""
+        """The inverse of a matrix on the free dofs; symmetric if A is."""
         start = time.perf_counter()
         with Threads(self.mesh):
-            # A Cholesky factorisation of an unsymmetric matrix would be wrong without a word.
-            kind = "sparsecholesky" if self.symmetric else "umfpack"
-            inverse = matrix.Inverse(self.space.FreeDofs(), inverse=kind)
+            inverse = Inverse(self.inversekind, matrix, self.space.FreeDofs(), self.mesh.dim)
         self.factorisation += time.perf_counter() - start
         return inverse
 

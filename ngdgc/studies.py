@@ -1,4 +1,4 @@
-"""The commands that compare methods and try solvers: Table 3, convergence, locking, atlas, cost, sweep, grid."""
+"""The commands that compare methods and try solvers: Table 3, convergence, locking, atlas, sweep, grid."""
 
 import sys
 from pathlib import Path
@@ -46,19 +46,6 @@ def AddStudies(commands):
     survey.add_argument("--out", default="results", help="folder for tables, figures and atlas.csv (default results/)")
     survey.set_defaults(command=Atlas)
 
-    bench = commands.add_parser("bench", help="what things cost beside the factorisation of the matrix")
-    benches = bench.add_subparsers(metavar="WHAT", required=True)
-    assembly = benches.add_parser("assembly", help="assembly of a method on Example 4.1", description="Seconds for spaces and "
-                                  "checks, for assembly (all operators, penalty, matrix) and for NGSolve's factorisation of "
-                                  "the matrix, in one run: medians, and the peak memory of the assembly.")
-    assembly.add_argument("--method", nargs="+", default=["ip"], help="ip, bassi, brezzi, ldg, nipg, iipg, h1 (default ip)")
-    assembly.add_argument("--form", default="edge", help="edge or lifting (default edge)")
-    assembly.add_argument("--assembly", default="facet", help="facet or skeleton, NGSolve's symbols (default facet)")
-    assembly.add_argument("--order", type=Positive, default=1, help="polynomial degree (default 1)")
-    assembly.add_argument("--n", type=Positive, default=256, help="cells per side (default 256: 786 432 unknowns at order 1)")
-    assembly.add_argument("--repeat", type=Positive, default=3, help="runs, of which the medians are shown (default 3)")
-    assembly.set_defaults(command=BenchAssembly)
-
     _AddSweep(commands)
 
 
@@ -90,11 +77,12 @@ def _AddMethod(parser, forms=False):
         parser.add_argument("--penalty", default="auto", type=NumberOrAuto, help="of every discontinuous method, as for run")
 
 
-def _Show(line):
+def Show(line):
+    """A line of progress."""
     print(line, file=sys.stderr, flush=True)
 
 
-def _Write(folder, name, text, figures):
+def Write(folder, name, text, figures):
     """Print and write a table, and figures {stem: figure}."""
     print(text)
     try:
@@ -119,9 +107,9 @@ def Convergence(options):
         UnitMesh(1, cells)      # unknown cells are an error before the first solve
     folder = Folder(options.out)
     series = {cells: [Study(SmoothSlip(dim=3 if cells in BOXCELLS else 2), method, order=order, n=options.n, cells=cells,
-                            callback=_Show)
+                            callback=Show)
                       for method in methods.values() for order in options.order] for cells in options.cells}
-    _Write(folder, "convergence", Text([one for group in series.values() for one in group]),
+    Write(folder, "convergence", Text([one for group in series.values() for one in group]),
            {f"convergence_{cells}": ConvergenceFigure(group) for cells, group in series.items()})
     return 0
 
@@ -134,9 +122,9 @@ def Locking(options):
 
     methods = Variants(options.method, form=options.form, penalty=options.penalty)
     folder = Folder(options.out)
-    sweeps = [Study(method, order=order, n=options.n, lam=options.lam, callback=_Show)
+    sweeps = [Study(method, order=order, n=options.n, lam=options.lam, callback=Show)
               for method in methods.values() for order in options.order]
-    _Write(folder, "locking", Text(sweeps), {"locking": LockingFigure(sweeps)})
+    Write(folder, "locking", Text(sweeps), {"locking": LockingFigure(sweeps)})
     return 0
 
 
@@ -149,14 +137,14 @@ def Atlas(options):
     folder = Folder(options.out)
     table = Table(folder / "atlas.csv")
     try:
-        for row in atlas.Study(sweeps, limit=atlas.QUICK if options.quick else atlas.LIMIT, callback=_Show):
+        for row in atlas.Study(sweeps, limit=atlas.QUICK if options.quick else atlas.LIMIT, callback=Show):
             rows.append(row)
             table.Add(row)
     except OSError as error:
         raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
     finally:
         if rows:
-            _Write(folder, "atlas", Text(rows, sweeps), Figures(rows, sweeps))
+            Write(folder, "atlas", Text(rows, sweeps), Figures(rows, sweeps))
     if options.page:
         try:
             WritePage(options.page, rows, sweeps)
@@ -166,26 +154,11 @@ def Atlas(options):
     return 0
 
 
-def BenchAssembly(options):
-    """Assembly beside factorisation."""
-    from .bench import MeasureAssembly, Text
-    from .variants import Variants
-
-    methods = [method for name in options.method
-               for method in Variants(name, form=None if name == "h1" else options.form).values()]
-    rows = []
-    for method in methods:
-        _Show(f"{method!r}, order {options.order}, n = {options.n}")
-        rows.append(MeasureAssembly(method, order=options.order, n=options.n, repeat=options.repeat, assembly=options.assembly))
-    print(Text(rows))
-    return 0
-
-
 def Table3(options):
     """Print Table 3; write the page if asked."""
     from .table3 import Methods, Page, Study, Text
 
-    study = Study(n=options.n, methods=Methods(options.method), callback=_Show)
+    study = Study(n=options.n, methods=Methods(options.method), callback=Show)
     print(Text(study))
     complete = options.method == "all" and Path("docs").is_dir()
     page = options.page or ("docs/table3.md" if complete else None)
@@ -225,10 +198,10 @@ def _Solve(name, title, samples, count, out, **options):
     print(title, flush=True)
     try:
         with open(folder / f"{name}.jsonl", "w", encoding="utf-8") as file:
-            records = Sweep(samples, file, callback=lambda record: _Show(Line(record)), **options)
+            records = Sweep(samples, file, callback=lambda record: Show(Line(record)), **options)
     except OSError as error:
         raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
-    _Write(folder, name, f"{title}\n{Tally(records)}", {name: SweepFigure(records)})
+    Write(folder, name, f"{title}\n{Tally(records)}", {name: SweepFigure(records)})
     if len(records) < count:
         return 130
     return int(sum(bool(record.error) for record in records) > ALLOWED * count)

@@ -1,10 +1,13 @@
-"""The assembly benchmark and the stability command."""
+"""The benchmarks and the stability command."""
 
 import numpy as np
 import pytest
 
 from ngdgc import LDG, Conforming, Discretization, InteriorPenalty, ProblemError
-from ngdgc.bench import MeasureAssembly, Text
+from ngdgc import bench
+from ngdgc.atlas import Point
+from ngdgc.benchassembly import MeasureAssembly, Text
+from ngdgc.benchpage import Page
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.cli import Main
 from ngdgc.stabilitystudy import Study
@@ -31,6 +34,57 @@ def test_bench_command_prints_a_row_a_method(capsys):
     assert [line.split()[:3] for line in lines[1:]] == [["IP", "lifting", "192"], ["LDG", "lifting", "192"]]
 
 
+def test_cost_is_that_of_the_solution_it_names():
+    cost = bench.Measure(Point(problem="4.1", n=16), repeat=2)
+    disc = Point(problem="4.1", n=16).Discretization()
+    finest = disc.Solve(tol=bench.TOL).levels[-1]
+    assert (cost.dofs, cost.entries, cost.kind) == (disc.space.ndof, disc.matrix.nze, "sparsecholesky")
+    assert (cost.iterations, cost.solves) == (finest.iterations, finest.solves) and 0 < cost.peak < 4096
+    parts = [cost.setup, cost.assembly, cost.coarse, cost.inverse, cost.contact]
+    assert all(times.shape == (2,) and np.all(times > 0) for times in [*parts, cost.factorisation, cost.solve])
+    assert np.allclose(sum(parts), cost.total, rtol=1e-9)
+    assert cost.ratio == pytest.approx(np.mean(cost.total / (cost.factorisation + cost.solve)))     # the median of two
+
+
+def Costs(*sizes):
+    """Costs whose total grows as dofs^1.5."""
+    times = dict.fromkeys(("setup", "assembly", "coarse", "inverse", "contact", "factorisation", "solve"), np.ones(1))
+    return [bench.Cost(Point(n=n), 6 * n ** 2, 9, "umfpack", 2, 7, 512.0, **times, total=np.array([n ** 3.0])) for n in sizes]
+
+
+def test_growth_is_the_exponent_of_the_size():
+    assert bench.Growth(Costs(4, 8, 64)) == pytest.approx(1.5)
+    assert np.isnan(bench.Growth(Costs(4)))
+
+
+def test_page_has_every_number_and_growth_only_of_sizes():
+    page = Page({"sizes": Costs(8, 16), "one": Costs(8)}, ["GetFEM: skipped, no such thing"], 2)
+    rows = [line.split(" | ") for line in page.splitlines() if line.startswith("| IP edge")]
+    assert [row[1] for row in rows] == ["384", "1536", "384"] and rows[1][7:10] == ["4096.00", "2.00", "2048.00"]
+    assert "sizes: time grows as unknowns^1.50" in page and "one: time grows" not in page and "* GetFEM: skipped" in page
+
+
+def test_bench_command_writes_table_figure_and_page(tmp_path, capsys):
+    """With an interpreter that has no peer, which is said and harms nothing."""
+    assert Main(["bench", "--quick", "--repeat", "1", "--only", "its own data", "--out", str(tmp_path), "--page",
+                 str(tmp_path / "docs" / "performance.md")]) == 0
+    written, page = (tmp_path / "performance.txt").read_text(), (tmp_path / "docs" / "performance.md").read_text()
+    for text in (capsys.readouterr().out, written, page):
+        assert text.count("IP edge, k = 1, n = ") == 2 and "time grows as unknowns^" in text
+        assert "GetFEM: " in text and "DOLFINx: " in text
+    assert (tmp_path / "performance.png").stat().st_size > 10_000
+    assert (tmp_path / "docs" / "images" / "performance.png").stat().st_size > 10_000
+
+
+def test_a_peer_that_is_missing_is_skipped_with_a_line(tmp_path):
+    broken = tmp_path / "python"
+    broken.write_text("#!/bin/sh\necho No module named getfem >&2\nexit 1\n")
+    broken.chmod(0o755)
+    assert bench.Peer("getfem", 4, python=str(broken)) == "No module named getfem"
+    broken.write_text("#!/bin/sh\necho noise\necho '{\"dofs\": 3, \"seconds\": 2.0}'\n")
+    assert bench.Peer("getfem", 4, python=str(broken)) == {"dofs": 3, "seconds": 2.0}
+
+
 def test_stability_command_prints_the_study_of_a_case(capsys):
     assert Main("stability example_4_2 --n 4 --order 2".split()) == 0
     assert capsys.readouterr().out.strip() == StabilityText(Study(example_4_2.Problem(), example_4_2.Mesh(4), order=2)).strip()
@@ -39,6 +93,7 @@ def test_stability_command_prints_the_study_of_a_case(capsys):
 @pytest.mark.parametrize("arguments, culprit", [("bench assembly --method dg", "no method 'dg'"),
                                                 ("bench assembly --n 4 --assembly fast", "assembly is 'fast'"),
                                                 ("bench assembly --n 4 --form both", "form is 'both'"),
+                                                ("bench --only nothing", "no bench has 'nothing' in its name"),
                                                 ("stability nothing", "no case 'nothing'"),
                                                 ("stability example_4_1 --n 2 --form both", "form is 'both'")])
 def test_a_mistake_is_one_line_and_exit_code_2(arguments, culprit, capsys):

@@ -17,9 +17,9 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "storage", "meshes"],
+LAYERS = [["exceptions", "report", "parallel", "peers"], ["arguments", "coefficients", "storage", "meshes"],
           ["hypotheses"], ["elasticity", "foundation"],
-          ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
+          ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability", "inverses"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["methods"], ["discretization"], ["graph"],
           ["fluxes", "resultants", "compliance", "coarsening"], ["solution"],
@@ -29,11 +29,12 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["exact", "export", "plots.curves", "randomproblems",
            "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
           ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies",
-           "plots.atlas", "plots.sweep"],
+           "plots.atlas", "plots.sweep", "plots.bench"],
           ["plots.__init__"],
-          ["atlas"],
-          ["atlaspage", "bench", "convergence", "grid", "locking", "output", "stabilitystudy", "sweep", "table3"],
-          ["studies"], ["cli"]]
+          ["atlas"], ["bench"],
+          ["atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output", "stabilitystudy", "sweep",
+           "table3"],
+          ["studies"], ["benchcommands"], ["cli"]]
 
 
 def test_tests_run_against_the_installed_package():

@@ -4,6 +4,7 @@ Every function returns a matplotlib Figure and leaves pyplot and its backends al
 """
 
 from .atlas import AtlasFigure
+from .bench import GrowthFigure
 from .canvas import ZONE_COLOURS
 from .contact import ContactFigure
 from .deformed import DeformedFigure

@@ -1,0 +1,51 @@
+"""Which inverse solves the linear equations: chosen by symmetry, dimension and size.
+
+sparsecholesky : NGSolve's factorisation, the usual choice
+pardisospd : the factorisation of the library MKL, where it is installed (`pip install ngdgc[mkl]`)
+umfpack : for unsymmetric matrices, of which a Cholesky factorisation would be wrong without a word
+"""
+
+from functools import cache
+
+from ngsolve.la import SparseMatrixd
+
+from .exceptions import ProblemError
+
+SYMMETRIC = "sparsecholesky", "pardisospd"
+
+
+def Kind(disc, wanted):
+    """The inverse for the matrix of a Discretization: the one that is wanted, or the best one for "auto".
+
+    Raises ProblemError for an unknown inverse, one that is not installed, and Cholesky's of an unsymmetric matrix.
+    """
+    if wanted == "auto":
+        if not disc.symmetric:
+            return "umfpack"
+        return "pardisospd" if HasPardiso() else "sparsecholesky"
+    if wanted not in (*SYMMETRIC, "umfpack"):
+        raise ProblemError(f"inverse is {wanted!r}; choose auto, {', '.join(SYMMETRIC)} or umfpack")
+    if wanted in SYMMETRIC and not disc.symmetric:
+        raise ProblemError(f"inverse={wanted!r} is for symmetric matrices, and this form is not; take inverse='auto'")
+    if wanted == "pardisospd" and not HasPardiso():
+        raise ProblemError("inverse='pardisospd' needs the library MKL; install it, pip install ngdgc[mkl], or take "
+                           "inverse='auto'")
+    return wanted
+
+
+def Inverse(kind, matrix, freedofs, dim):
+    """The inverse of an NGSolve matrix on the free dofs."""
+    if kind == "pardisospd":
+        # That the matrix is symmetric has to be said.  Nested dissection fills less in 3D, minimum degree in 2D.
+        matrix.inverse_flags = {"symmetric": True, "ordering": "metis" if dim == 3 else "minimum_degree"}
+    return matrix.Inverse(freedofs, inverse=kind)
+
+
+@cache
+def HasPardiso():
+    """True if MKL's Pardiso can be used: NGSolve lists it even where it is missing."""
+    try:
+        Inverse("pardisospd", SparseMatrixd.CreateFromCOO([0], [0], [1.0], 1, 1), None, 2)
+    except RuntimeError:
+        return False
+    return True

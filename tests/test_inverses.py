@@ -5,7 +5,7 @@ import pytest
 
 from ngdgc import LDG, Discretization, InteriorPenalty, ProblemError, inverses
 from ngdgc.atlas import Point
-from ngdgc.methods import NIPG
+from ngdgc.methods import NonsymmetricInteriorPenalty
 
 
 def Disc(method=None, inverse="auto"):
@@ -20,9 +20,9 @@ def test_all_inverses_solve_the_same_problem():
 
 
 def test_the_choice_follows_symmetry_and_what_is_installed(monkeypatch):
-    assert Disc(NIPG()).inversekind == "umfpack"
+    assert Disc(NonsymmetricInteriorPenalty()).inversekind == "umfpack"
     monkeypatch.setattr(inverses, "HasPardiso", lambda: True)
-    assert Disc().inversekind == "pardisospd" and Disc(NIPG()).inversekind == "umfpack"
+    assert Disc().inversekind == "pardisospd" and Disc(NonsymmetricInteriorPenalty()).inversekind == "umfpack"
     monkeypatch.setattr(inverses, "HasPardiso", lambda: False)
     assert Disc().inversekind == "sparsecholesky"
 
@@ -34,4 +34,4 @@ def test_a_choice_that_cannot_be_names_the_remedy(monkeypatch):
     with pytest.raises(ProblemError, match="inverse is 'lu'; choose auto, sparsecholesky"):
         Disc(LDG(), "lu").Solve()
     with pytest.raises(ProblemError, match="is for symmetric matrices, and this form is not; take inverse='auto'"):
-        Disc(NIPG(), "sparsecholesky").Solve()
+        Disc(NonsymmetricInteriorPenalty(), "sparsecholesky").Solve()

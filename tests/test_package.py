@@ -21,7 +21,7 @@ LAYERS = [["exceptions", "report", "parallel"], ["arguments", "coefficients", "s
           ["hypotheses"], ["elasticity", "foundation"],
           ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
-          ["methods"], ["discretization"], ["graph"],
+          ["methods"], ["preconditioner"], ["iterative"], ["discretization"], ["graph"],
           ["fluxes", "resultants", "compliance", "coarsening"], ["solution"],
           ["solvers.driver", "solvers.recycling", "solvers.stiffness"], ["solvers.contraction", "solvers.steps"],
           ["solvers.uzawa", "solvers.newton"], ["solvers.multistart"], ["solvers.nested"],

@@ -19,7 +19,9 @@ setup(
     package_dir={"ngdgc.cases": "cases"},
     # webgui_jupyter_widgets carries the viewer's JavaScript, which a page that opens without a network must embed;
     # threadpoolctl keeps BLAS threads out of batches of small matrices.
-    install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "threadpoolctl>=3", "webgui_jupyter_widgets"],
+    # pyamg solves the coarse problem of the iterative inverse.
+    install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "threadpoolctl>=3", "webgui_jupyter_widgets",
+                      "pyamg>=5"],
     extras_require={"test": ["pytest", "ruff"], "mkl": ["mkl"]},
     entry_points={"console_scripts": ["ngdgc = ngdgc.cli:Main"]},
 )

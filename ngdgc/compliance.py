@@ -1,14 +1,15 @@
 """The linear problem seen from Gamma_C, with a stiffness D of Gamma_C in the factorised matrix.
 
-With A u = f - T' W t, every D >= 0 and every reference c (d components at each contact point) give the same problem
+With A u = f - T' W t, every D >= 0 gives the same problem: if t = t_0 + D (u - u_0) for some u_0 and t_0 on Gamma_C, then
 
-    (A + T' W D T) u = f + T' W D c - T' W s,      t = s + D (u - c) on Gamma_C,
+    (A + T' W D T) u = f + T' W (D u_0 - t_0).
 
-so u = u_0 - S_D s there, with S_D = T (A + T' W D T)^-1 T' W and one application of the inverse for each product.  D = 0 is the
-elastic body alone; D near the slope of the law makes the solution depend little on s, and holds a body that nothing else holds.
+What a change of t_0 - D u_0 by s does to u on Gamma_C is -S_D s, S_D = T (A + T' W D T)^-1 T' W, with one application of the
+inverse for each product.  D = 0 is the elastic body alone; D near the slope of the law makes the solution depend little on s,
+and holds a body that nothing else holds.
 """
 
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 import scipy.sparse as sp
@@ -16,71 +17,91 @@ import scipy.sparse as sp
 from .exceptions import ProblemError
 from .facets import Csr, Native, Threads
 
+INEXACT = 1e-4      # part of a change of the load that an inverse which is an iteration may leave: the next change makes up
+EXACT = 1e-10       # part of the whole load that it leaves in the end
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A u = load f - T' W t: coefficients of u (ndof,), u and t at the contact points (n, d), and the multiple of the loads."""
+
+    vector: np.ndarray
+    displacement: np.ndarray
+    traction: np.ndarray
+    load: float
+
 
 class Compliance:
-    """S_D of a Discretization for a stiffness D (n, d, d), symmetric and nonnegative, or None for D = 0.
+    """S_D of a Discretization for a stiffness D (n, d, d), symmetric and nonnegative, or None for D = 0."""
 
-    reference : c, (n, d) [length]
-
-    Attributes
-    ----------
-    vector : coefficients of the last displacement that was computed, (ndof,)
-    """
-
-    def __init__(self, disc, stiffness=None, reference=None):
+    def __init__(self, disc, stiffness=None):
         self.disc, self.contact, self.stiffness = disc, disc.contact, stiffness
-        self.reference = np.zeros_like(disc.contact.normals) if reference is None else reference
+        self.iterative = disc.inversekind == "iterative"
         self._inverse = disc.inverse if stiffness is None else self._Factorise()
-        self._load = 1.0
-        self._loaded = self._Displacement(1.0)
-        self._free = self._loaded
-        self.vector = self._free
 
-    def _Displacement(self, load):
-        """Coefficients of the displacement for s = 0 under a multiple of the loads and prescribed displacements, (ndof,)."""
-        disc = self.disc
-        lift = load * disc.prescribed
-        force = load * disc.load - disc.Multiply(lift) if np.any(lift) else load * disc.load
-        if self.stiffness is not None:
-            force = force + self.contact.Load(Apply(self.stiffness, self.reference - self.contact.Displacement(lift)))
-        free = lift + self._Solve(force)
-        if not np.all(np.isfinite(free)):
-            raise ProblemError("the elastic matrix cannot be factorised: the response to the loads is not finite; look for "
-                               "coefficients of extreme size and for degenerate elements")
-        return free
+    def Meet(self, displacement, traction, *, load=1.0, near=None, step=None):
+        """(Equilibrium, s, S_D s): the one that meets t = traction + D (u - displacement), by one application of the inverse.
 
-    @cached_property
-    def _unloaded(self):
-        return self._Displacement(0.0) if self.stiffness is not None else np.zeros_like(self._loaded)
+        near : an Equilibrium of the same load; the difference to it is computed, s that of t - D u (n, d)
+        step : what the difference is expected to be, coefficients (ndof,), for an inverse that is an iteration
+        Without near, s and S_D s are None.
+        """
+        if near is None or near.load != load:
+            options = {"tol": INEXACT} if self.iterative else {}
+            vector = self._Displacement(load, self.Restoring(displacement) - traction, **options)
+            return self._Equilibrium(vector, displacement, traction, load), None, None
+        s = traction - near.traction - self.Restoring(displacement - near.displacement)
+        if self.iterative:
+            vector = self._Approach(near, displacement, traction, INEXACT * np.linalg.norm(self.contact.Load(s)), step)
+        else:
+            vector = near.vector - self._Solve(self.contact.Load(s))
+        equilibrium = self._Equilibrium(vector, displacement, traction, load)
+        return equilibrium, s, near.displacement - equilibrium.displacement
 
-    def Free(self, load=1.0):
-        """u_0 at the contact points under a multiple of the loads and prescribed displacements, (n, d)."""
-        if load != self._load:
-            self._free = self._loaded if load == 1 else load * self._loaded + (1 - load) * self._unloaded
-            self._load = load
-        return self.contact.Displacement(self._free)
+    def Exact(self, displacement, traction, near):
+        """The Equilibrium of `Meet` near another one, as accurate as an iteration can."""
+        vector = self._Approach(near, displacement, traction, 0.0)
+        return self._Equilibrium(vector, displacement, traction, near.load)
+
+    def _Equilibrium(self, vector, displacement, traction, load):
+        u = self.contact.Displacement(vector)
+        return Equilibrium(vector, u, traction + self.Restoring(u - displacement), load)
+
+    def _Approach(self, near, displacement, traction, left, step=0.0):
+        """Coefficients of u from those of an Equilibrium, to a residual `left`; what that one lacks is made up for."""
+        load = near.load * self.disc.load + self.contact.Load(self.Restoring(displacement) - traction)
+        return self._Solve(load, tol=max(left / np.linalg.norm(load), EXACT), start=near.vector + step)
 
     def Response(self, s):
-        """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse; sets `vector`."""
-        response = self._Solve(self.contact.Load(s))
-        self.vector = self._free - response
-        return self.contact.Displacement(response)
+        """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
+        return self.contact.Displacement(self._Solve(self.contact.Load(s)))
 
-    def Shifted(self, displacement, traction):
-        """s = t - D (u - c), (n, d)."""
-        if self.stiffness is None:
-            return traction
-        return traction - Apply(self.stiffness, displacement - self.reference)
+    def Restoring(self, displacement):
+        """D u, the traction of the stiffness in the matrix, (n, d)."""
+        return np.zeros_like(displacement) if self.stiffness is None else Apply(self.stiffness, displacement)
 
-    def Traction(self, displacement, s):
-        """t = s + D (u - c), the traction in equilibrium with the displacement that s causes, (n, d)."""
-        return s if self.stiffness is None else s + Apply(self.stiffness, displacement - self.reference)
+    def Smooth(self, load, vector=None):
+        """V (load - (A + T' W D T) vector) with the V-cycle V of an inverse that is an iteration, (ndof,) -> (ndof,)."""
+        return self._inverse.Smooth(load, vector)
 
-    def _Solve(self, load):
-        return self.disc.ApplyInverse(self._inverse, load)
+    def _Displacement(self, load, pull, **options):
+        """Coefficients of u under a multiple of the loads and prescribed displacements and a traction on the body, (ndof,)."""
+        disc = self.disc
+        lift = load * disc.prescribed
+        force = load * disc.load + self.contact.Load(pull - self.Restoring(self.contact.Displacement(lift)))
+        if np.any(lift):
+            force = force - disc.Multiply(lift)
+        vector = lift + self._Solve(force, **options)
+        if not np.all(np.isfinite(vector)):
+            raise ProblemError("the elastic matrix cannot be factorised: the response to the loads is not finite; look for "
+                               "coefficients of extreme size and for degenerate elements")
+        return vector
+
+    def _Solve(self, load, **options):
+        return self.disc.ApplyInverse(self._inverse, load, **options)
 
     def _Factorise(self):
-        """The inverse of A + T' W D T; its entries are added to those of A for the time of the factorisation."""
+        """The inverse of A + T' W D T; its entries are added to those of A for the time of a factorisation."""
         disc, contact = self.disc, self.contact
         n, dim = contact.normals.shape
         weighted = contact.weights[:, None, None] * self.stiffness
@@ -90,6 +111,11 @@ class Compliance:
             values, positions = _Positions(disc.matrix, added)
             if positions is None:
                 return disc.Factorise(Native(Csr(disc.matrix) + added))
+            if self.iterative:      # which goes on using its matrix
+                matrix = disc.matrix.CreateMatrix()
+                matrix.AsVector().data = disc.matrix.AsVector()
+                matrix.AsVector().FV().NumPy()[positions] += added.data
+                return disc.Factorise(matrix)
             before = values[positions].copy()
             values[positions] += added.data
             try:

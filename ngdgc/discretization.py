@@ -219,7 +219,7 @@ class Discretization:
         """The inverse of a matrix on the free dofs; symmetric if A is."""
         start = time.perf_counter()
         with Threads(self.mesh):
-            inverse = Inverse(self.inversekind, matrix, self.space.FreeDofs(), self.mesh.dim)
+            inverse = Inverse(self, matrix, self.inversekind)
         self.factorisation += time.perf_counter() - start
         return inverse
 
@@ -253,8 +253,11 @@ class Discretization:
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""
         return self.ApplyInverse(self.inverse, load)
 
-    def ApplyInverse(self, inverse, load):
-        """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`."""
+    def ApplyInverse(self, inverse, load, **options):
+        """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`; an iterative one to a tolerance."""
+        if self.inversekind == "iterative":
+            self.solves += 1
+            return inverse.Solve(load, **options)
         source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
         source.FV().NumPy()[:] = load
         with Threads(self.mesh):

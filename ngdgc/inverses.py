@@ -3,6 +3,8 @@
 sparsecholesky : NGSolve's factorisation, the usual choice
 pardisospd : the factorisation of the library MKL, where it is installed (`pip install ngdgc[mkl]`)
 umfpack : for unsymmetric matrices, of which a Cholesky factorisation would be wrong without a word
+iterative : preconditioned conjugate gradients (`iterative` module), in 3D for many unknowns of a discontinuous method, whose
+    factors would fill hours and memory
 """
 
 from functools import cache
@@ -10,8 +12,11 @@ from functools import cache
 from ngsolve.la import SparseMatrixd
 
 from .exceptions import ProblemError
+from .iterative import IterativeInverse
 
-SYMMETRIC = "sparsecholesky", "pardisospd"
+SYMMETRIC = "sparsecholesky", "pardisospd", "iterative"
+LIKEFACTORS = 1e-11         # relative residual of solutions that take the place of a factorisation's
+LARGE = 50_000      # unknowns in 3D from which conjugate gradients are faster
 
 
 def Kind(disc, wanted):
@@ -22,6 +27,8 @@ def Kind(disc, wanted):
     if wanted == "auto":
         if not disc.symmetric:
             return "umfpack"
+        if disc.mesh.dim == 3 and disc.method.discontinuous and disc.space.ndof > LARGE:
+            return "iterative"
         return "pardisospd" if HasPardiso() else "sparsecholesky"
     if wanted not in (*SYMMETRIC, "umfpack"):
         raise ProblemError(f"inverse is {wanted!r}; choose auto, {', '.join(SYMMETRIC)} or umfpack")
@@ -33,8 +40,15 @@ def Kind(disc, wanted):
     return wanted
 
 
-def Inverse(kind, matrix, freedofs, dim):
-    """The inverse of an NGSolve matrix on the free dofs."""
+def Inverse(disc, matrix, kind):
+    """The inverse of a matrix on the free dofs of a Discretization."""
+    if kind == "iterative":
+        return IterativeInverse(disc, matrix, tol=LIKEFACTORS)
+    return Factorised(matrix, disc.space.FreeDofs(), kind, disc.mesh.dim)
+
+
+def Factorised(matrix, freedofs, kind, dim):
+    """NGSolve's factorisation of a matrix on the free dofs."""
     if kind == "pardisospd":
         # That the matrix is symmetric has to be said.  Nested dissection fills less in 3D, minimum degree in 2D.
         matrix.inverse_flags = {"symmetric": True, "ordering": "metis" if dim == 3 else "minimum_degree"}
@@ -45,7 +59,7 @@ def Inverse(kind, matrix, freedofs, dim):
 def HasPardiso():
     """True if MKL's Pardiso can be used: NGSolve lists it even where it is missing."""
     try:
-        Inverse("pardisospd", SparseMatrixd.CreateFromCOO([0], [0], [1.0], 1, 1), None, 2)
+        Factorised(SparseMatrixd.CreateFromCOO([0], [0], [1.0], 1, 1), None, "pardisospd", 2)
     except RuntimeError:
         return False
     return True

@@ -19,9 +19,9 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
 # Who may import whom: only from lines above.
 LAYERS = [["exceptions", "report", "parallel", "peers"], ["arguments", "coefficients", "storage", "meshes"],
           ["hypotheses"], ["elasticity", "foundation"],
-          ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability", "inverses"],
+          ["problem", "facets"], ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
-          ["methods"], ["discretization"], ["graph"],
+          ["methods"], ["preconditioner"], ["iterative"], ["inverses"], ["discretization"], ["graph"],
           ["fluxes", "resultants", "compliance", "coarsening"], ["solution"],
           ["solvers.driver", "solvers.recycling", "solvers.stiffness"], ["solvers.contraction", "solvers.steps"],
           ["solvers.uzawa", "solvers.newton"], ["solvers.multistart"], ["solvers.nested"],

@@ -11,12 +11,15 @@ from ..discretization import Discretization
 from ..exceptions import ProblemError
 from ..graph import ContactGraph, NormalPart, Scales
 from .driver import Drive, Iterate, LawResidual
+from .fullspace import FullSpace
 from .recycling import Recycled
 from .stiffness import BodyStiffness, LawStiffness, Resultant
 
 FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
 FORCING = 1e-3      # relative residual of the linear equations
+LOOSE = 1e-2        # the same on the whole body, in the norm of `fullspace`
+OUTDATED = 20       # iterations for one such equation that tell that the matrix was made for other zones
 ACCURATE = 1e-9     # the smallest one that is asked for
 SAMEPIECE = 0.1     # change of dt/dq, which is between 0 and 1, that tells pieces of the graph apart
 GOAL = 0.1          # part of the tolerance at which the last linear equation aims
@@ -111,16 +114,19 @@ class NewtonRun:
         self.given = start is not None
         self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
         self.steps, self.zones, self.reached = [], [], 0.0
+        self.recycled, self.near = Recycled(None, self.contact.weights), None
         self._Factorise(self.start, predicted=start is not None)
 
     def _Factorise(self, point, *, predicted):
         """Make the compliance operator; the stiffness of the law at the point goes into the matrix if that is a prediction."""
         self.predicted = predicted
-        self.compliance = Compliance(self.disc, self._Stiffness(point, predicted), point.displacement)
-        self.recycled = Recycled(self.compliance, self.contact.weights)
+        self.compliance = Compliance(self.disc, self._Stiffness(point, predicted))
+        self.recycled.compliance = self.compliance
+        iterative = self.compliance.iterative
+        self.equations = FullSpace(self.compliance, self.contact.weights) if iterative else self.recycled
         n, dim = self.contact.normals.shape
         self.stiffness = np.zeros((n, dim, dim)) if self.compliance.stiffness is None else self.compliance.stiffness
-        self.near = np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim))
+        self.blocks = np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim))
 
     def _Rest(self):
         """No traction; a body that nothing else holds starts in contact everywhere, or its first step would be a flight."""
@@ -166,20 +172,32 @@ class NewtonRun:
         while not self._Stalled():
             state = self._Step(state)
             yield state.iterate
+            if self.compliance.iterative and self.equations.iterations > OUTDATED:
+                self._Factorise(state.point, predicted=True)
+                state = self._Evaluate(state.point)
             near = self.steps[-1][2] < SETTLED or self._Roundoff()
-            if near and not self.predicted and len(self.recycled.arguments) > RENEW:
+            if near and not self.predicted and len(self.recycled.images) > RENEW:
                 # The zones are nearly known now: with their stiffness in the matrix round-off and the work that is left shrink.
                 self._Factorise(state.point, predicted=True)
                 state = self._Evaluate(state.point)
             elif self._Roundoff():
                 return
 
-    def _Evaluate(self, point, load=1.0):
-        """The state at a point of the graph, by one application of the inverse."""
-        s = self.compliance.Shifted(point.displacement, point.traction)
-        displacement = self.compliance.Free(load) - self.recycled.Response(s)
-        F = point.displacement - displacement
-        self.last = Iterate(self.compliance.vector, self.compliance.Traction(displacement, s), displacement)
+    def _Evaluate(self, point, load=1.0, step=0.0):
+        """The state at a point of the graph, by one application of the inverse; step : see `Compliance.Meet`."""
+        self.near, s, response = self.compliance.Meet(point.displacement, point.traction, load=load, near=self.near, step=step)
+        if s is not None:
+            self.recycled.Remember(s, response)
+        state = self._State(point)
+        if self.compliance.iterative and load == 1 and LawResidual(self.contact, state.iterate) <= self.solver.tol:
+            # The last one, if it is one that can be believed.
+            self.near = self.compliance.Exact(point.displacement, point.traction, self.near)
+            state = self._State(point)
+        return state
+
+    def _State(self, point):
+        F = point.displacement - self.near.displacement
+        self.last = Iterate(self.near.vector, self.near.traction, self.near.displacement)
         return _State(point, F, float(np.sum(self.weights * F ** 2)), self.last)
 
     def _Step(self, state, load=1.0):
@@ -187,14 +205,16 @@ class NewtonRun:
         before, best, length = self.disc.solves, None, 1.0
         if state.merit == 0:
             return state
-        step = self._Direction(state, FORCING)
+        step, guess = self._Direction(state, LOOSE if self.compliance.iterative else FORCING), 0.0
         trial = self.graph.At(state.point.q + step)
-        if np.abs(trial.derivative - state.point.derivative).max() < SAMEPIECE:
+        if self.compliance.iterative:
+            guess = -self.equations.displacement
+        elif np.abs(trial.derivative - state.point.derivative).max() < SAMEPIECE:
             # The step stays on one smooth piece, so its equation is the last one that matters, and worth solving well.
             step = self._Direction(state, float(np.clip(GOAL * self.solver.tol / self._Error(state), ACCURATE, FORCING)))
         applications = self.disc.solves - before
         for _ in range(HALVINGS + 1):
-            trial = self._Evaluate(self.graph.At(state.point.q + length * step), load)
+            trial = self._Evaluate(self.graph.At(state.point.q + length * step), load, length * guess)
             if best is None or trial.merit < best.merit:
                 best, chosen = trial, length
             if best.merit <= (1 - DECREASE * length) * state.merit:
@@ -218,14 +238,14 @@ class NewtonRun:
         slope = state.point.derivative
         relief = (np.eye(self.contact.dim) - slope) / self.scale[:, None, None]     # dU/dq
         shifted = slope - self.stiffness @ relief                                   # ds/dq
-        inverse = np.linalg.inv(relief + self.near @ shifted)
+        inverse = np.linalg.inv(relief + self.blocks @ shifted)
         weight = shifted @ inverse
 
         def Local(image, s):
-            return Apply(weight, image - Apply(self.near, s))
+            return Apply(weight, image - Apply(self.blocks, s))
 
-        s, image = self.recycled.Solve(Local, -Apply(weight, state.F), tol=forcing, maxiter=LINEAR)
-        return Apply(inverse, Apply(self.near, s) - image - state.F)
+        s, image = self.equations.Solve(Local, -Apply(weight, state.F), tol=forcing, maxiter=LINEAR)
+        return Apply(inverse, Apply(self.blocks, s) - image - state.F)
 
     def _Stalled(self):
         recent = [ratio for _, _, ratio in self.steps[-PATIENCE:]]

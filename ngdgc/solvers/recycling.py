@@ -13,24 +13,23 @@ MEMORY = 400    # pairs kept: the singular value decomposition of more costs as 
 
 
 class Recycled:
-    """Pairs (s, S_D s) of one compliance operator, the last MEMORY of them, and the equations solved with them.
+    """Pairs (s, S_D s) of a compliance operator, the last MEMORY of them, and the equations solved with them.
 
-    compliance : has Response(s) = S_D s;  weights (n,) of the contact points
+    compliance : a `Compliance`, which may be exchanged for one with another D;  weights (n,) of the contact points
     """
 
     def __init__(self, compliance, weights):
         self.compliance = compliance
         self.root = np.sqrt(weights)[:, None]
-        self.arguments, self.images = [], []
+        self.tractions, self.images = [], []
 
-    def Response(self, s):
-        """S_D s, remembered."""
-        image = self.compliance.Response(s)
+    def Remember(self, s, image):
+        """Use the pair (s, S_D s) in later equations."""
         length = np.linalg.norm(self.root * s)
         if length > 0:
-            self.arguments = self.arguments[1 - MEMORY:] + [s / length]
+            # What does not depend on D: S_D s is also the response without it to s - D S_D s.
+            self.tractions = self.tractions[1 - MEMORY:] + [(s - self.compliance.Restoring(image)) / length]
             self.images = self.images[1 - MEMORY:] + [image / length]
-        return image
 
     @Batched
     def Solve(self, Local, b, *, tol, maxiter):
@@ -40,8 +39,9 @@ class Recycled:
         """
         basis = _Basis(b.size)
         goal = tol * np.linalg.norm(self.root * b)
-        if self.arguments:
-            s, y = np.array(self.arguments), np.array(self.images)
+        if self.tractions:
+            s = np.array([t + self.compliance.Restoring(y) for t, y in zip(self.tractions, self.images)])
+            y = np.array(self.images)
             basis.AddMany([(self.root * (si + Local(yi, si))).ravel() for si, yi in zip(s, y)],
                           s.reshape(len(s), -1), y.reshape(len(y), -1))
         residual = (self.root * b).ravel()
@@ -53,9 +53,8 @@ class Recycled:
             if size <= goal:
                 break
             direction = (residual / size).reshape(b.shape) / self.root
-            image = self.Response(direction)
-            length = np.linalg.norm(self.root * direction)
-            direction, image = direction / length, image / length
+            image = self.compliance.Response(direction)
+            self.Remember(direction, image)
             if not basis.Add((self.root * (direction + Local(image, direction))).ravel(), direction.ravel(), image.ravel()):
                 break
             coefficient = basis.directions[:, -1] @ residual

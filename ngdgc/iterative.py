@@ -135,8 +135,8 @@ def DirectMemory(elements, entries, dim):
 
     Nested dissection (George 1973): separators of about elements^(2/3) in 3D, elements^(1/2) in 2D, so
     11 entries elements^(1/3) and 4 entries log2(elements) bytes.  The factors were measured as the growth of the resident
-    memory while NGSolve's sparsecholesky works, for orders 1 to 3, tetrahedra, hexahedra, triangles and quads, IP and LDG: between 4
-    and 11 in 3D, 2 and 4 in 2D, the larger ones at the larger sizes, which are those that matter.
+    memory while NGSolve's sparsecholesky works, for orders 1 to 3, tetrahedra, hexahedra, triangles and quads, IP and LDG:
+    between 4 and 11 in 3D, 2 and 4 in 2D, the larger ones at the larger sizes, which are those that matter.
     """
     return int(entries * (11 * elements ** (1 / 3) if dim == 3 else 4 * np.log2(max(elements, 2))))
 

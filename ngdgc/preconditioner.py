@@ -127,9 +127,11 @@ class Aggregation:
         import pyamg        # slow to import
 
         smoother = ("block_gauss_seidel", {"sweep": "symmetric"})
+        # By default the prolongation is damped by an eigenvalue estimated from a random start: other steps in every run.
+        damped = ("jacobi", {"omega": 1.0, "weighting": "local"})
         self.levels = pyamg.smoothed_aggregation_solver(
             matrix.tobsr((dim, dim)), B=motions, symmetry="symmetric", strength=("symmetric", {"theta": AGGREGATED}),
-            presmoother=smoother, postsmoother=smoother, improve_candidates=None, max_coarse=COARSEST)
+            smooth=damped, presmoother=smoother, postsmoother=smoother, improve_candidates=None, max_coarse=COARSEST)
         self._cycle = self.levels.aspreconditioner(cycle="V")
 
     def Mult(self, b, x):

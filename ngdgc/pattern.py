@@ -24,7 +24,7 @@ class BlockMatrix:
 
     def __init__(self, space, starts, neighbours, reach):
         self.starts, self.dim = starts, space.mesh.dim
-        self.native = BilinearForm(space).Assemble().mat
+        self.native = BilinearForm(space, check_unused=False).Assemble().mat
         graph = (neighbours != 0).astype(np.int32) + sp.identity(neighbours.shape[0], dtype=np.int32, format="csr")
         if reach == 2:
             self.native = self.native @ self._OneRowPerElement(graph)

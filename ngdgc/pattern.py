@@ -63,16 +63,21 @@ class BlockMatrix:
 
     def Put(self, rows, columns, blocks, *, add=False):
         """Set blocks (n, m_a, m_b), or add to them, of distinct pairs of elements (rows, columns); faster than `Add`."""
-        width = int(np.diff(self.starts)[columns[0]])
-        before = self._Offsets(rows, columns)[:, None] + np.arange(self.dim) * self._width[rows][:, None]
-        first = self._rows[Numbers(self.starts, rows[:, None], self.dim)][:, :, None] + before[:, None, :]
-        # Entries of one component are neighbours in memory: windows of that width on the values.
-        values = self._values
-        windows = np.lib.stride_tricks.as_strided(values, (len(values) - width + 1, width), 2 * values.strides)
-        if add:
-            windows[first] += blocks.reshape(*first.shape, width)
-        else:
-            windows[first] = blocks.reshape(*first.shape, width)
+        height, width = (int(self.starts[one[0] + 1] - self.starts[one[0]]) for one in (rows, columns))
+        first = self._rows[self.starts[rows][:, None] + np.arange(self.dim) * self.starts[-1]]
+        first += self._Offsets(rows, columns)[:, None]
+        blocks = blocks.reshape(len(rows), self.dim, height * self.dim, width)
+        # Entries of one component are neighbours in memory, and the rows of an element equally long: windows on the values.
+        lengths = self._width[rows]
+        for length in np.unique(lengths):
+            members = slice(None) if np.all(lengths == length) else lengths == length
+            shape = len(self._values) - (height * self.dim - 1) * length - width + 1, height * self.dim, width
+            (step,) = self._values.strides
+            windows = np.lib.stride_tricks.as_strided(self._values, shape, (step, int(length) * step, step))
+            if add:
+                windows[first[members]] += blocks[members]
+            else:
+                windows[first[members]] = blocks[members]
 
     def Add(self, elements, blocks):
         """Add blocks (n, m, m) of the displacements on patches of elements (n, patch), ordered component, element, function."""

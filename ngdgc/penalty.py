@@ -133,9 +133,11 @@ class ElasticPenalty:
 
     def FacetMatrix(self, patch):
         """<P(mu):[nu]>, (n, r, r)."""
-        weight = self._operators.share[patch.facets] * self._onfacets[patch.facets]
-        return sum((weight * self._inelements[elements])[:, None, None] * self._operators.elasticjumps(side)
-                   for elements, side in zip(patch.elements.T, patch.sides))
+        weights = (self._operators.share * self._onfacets)[patch.facets, None] * self._inelements[patch.elements]
+        sides = patch.sides
+        if self._operators.material.bonus == 0:     # C is the same on both sides
+            weights, sides = weights.sum(axis=1, keepdims=True), sides[:1]
+        return sum(weight[:, None, None] * self._operators.elasticjumps(side) for weight, side in zip(weights.T, sides))
 
     @cached_property
     def _functions(self):

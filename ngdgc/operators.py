@@ -125,20 +125,23 @@ class FacetOperators(Patches):
 
     def LocalEnergy(self, patch):
         """(C r_e(mu), r_e(nu)), (n, r, r)."""
-        return self._LiftProducts(patch, lambda cells: cells.inverseliftmass @ cells.weightedliftmass @ cells.inverseliftmass)
+        def Energy(cells, s):
+            lifting = cells.LiftedTraction(s) @ cells.inverseliftmass
+            return lifting @ cells.weightedliftmass @ np.swapaxes(lifting, 1, 2)
+
+        return self._OfSides(patch, Energy)
 
     def LocalSquare(self, patch):
         """(r_e(mu), r_e(nu)), (n, r, r)."""
-        return self._LiftProducts(patch, lambda cells: cells.inverseliftmass)
-
-    def _LiftProducts(self, patch, product):
-        """The sum of N product(cells) N' of single sides, (n, r, r)."""
-        def Product(cells, s):
+        def Square(cells, s):
             traction = cells.LiftedTraction(s)
-            return traction @ product(cells) @ np.swapaxes(traction, 1, 2)
+            return traction @ cells.inverseliftmass @ np.swapaxes(traction, 1, 2)
 
+        return self._OfSides(patch, Square)
+
+    def _OfSides(self, patch, product):
         share = self.share[patch.facets]
-        return sum(share[:, None, None] ** 2 * side.Blocks(Product) for side in patch.sides)
+        return sum(share[:, None, None] ** 2 * side.Blocks(product) for side in patch.sides)
 
     def Liftings(self, star):
         """-M_Q^-1 N' : the liftings of traces on the star's facets as coefficients in Q_h, [(n, (c p), r)] over its arms."""

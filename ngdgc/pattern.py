@@ -2,8 +2,7 @@
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import BilinearForm
-from ngsolve.la import SparseMatrixd
+from ngsolve import L2, BilinearForm
 
 
 def Numbers(starts, patches, dim):
@@ -24,10 +23,9 @@ class BlockMatrix:
 
     def __init__(self, space, starts, neighbours, reach):
         self.starts, self.dim = starts, space.mesh.dim
-        self.native = BilinearForm(space, check_unused=False).Assemble().mat
+        self.native = _Neighbours(space=space) if reach == 1 else _NeighboursOfNeighbours(space)
         graph = (neighbours != 0).astype(np.int32) + sp.identity(neighbours.shape[0], dtype=np.int32, format="csr")
         if reach == 2:
-            self.native = self.native @ self._OneRowPerElement(graph)
             graph = graph @ graph
         graph.sort_indices()
         self._values, _, rows = (np.asarray(part) for part in self.native.CSR())
@@ -40,22 +38,6 @@ class BlockMatrix:
         self._width = before[graph.indptr[1:]] - before[graph.indptr[:-1]]
         if self._width @ sizes * self.dim ** 2 != self.native.nze:
             raise RuntimeError("NGSolve's matrix has another pattern than the elements' neighbours")
-
-    def _OneRowPerElement(self, graph):
-        """A native matrix with the pattern of the neighbours' columns in the first row of each element, and nothing else.
-
-        NGSolve's product of the pattern with it has full blocks of neighbours of neighbours, for a small part of the work that
-        the square of the pattern is.
-        """
-        graph = graph.tocoo()
-        sizes = np.diff(self.starts)
-        repeat = self.dim * sizes[graph.col]
-        rows = np.repeat(self.starts[graph.row], repeat)
-        within = np.arange(repeat.sum()) - np.repeat(np.cumsum(repeat) - repeat, repeat)
-        size, start = np.repeat(sizes[graph.col], repeat), np.repeat(self.starts[graph.col], repeat)
-        columns = within // size * self.starts[-1] + start + within % size
-        n = self.dim * int(self.starts[-1])
-        return SparseMatrixd.CreateFromCOO(rows, columns, np.zeros(len(rows)), n, n)
 
     def _Offsets(self, rows, columns):
         """Scalar columns before the block of element `columns` in the rows of element `rows`, arrays of one shape."""
@@ -93,3 +75,14 @@ class BlockMatrix:
         column += component * self._width[elements[:, slot]][:, :, None]
         column += row[:, :, None]
         np.add.at(self._values, column.ravel(), blocks.ravel())
+
+
+def _Neighbours(**spaces):
+    """A native matrix of zeros with full blocks for pairs of elements across a facet; the spaces have dgjumps=True."""
+    return BilinearForm(**spaces, check_unused=False).Assemble().mat
+
+
+def _NeighboursOfNeighbours(space):
+    """The same for neighbours of neighbours as well: a small product, since one row per element stands for all in between."""
+    elements = L2(space.mesh, order=0, dgjumps=True)
+    return _Neighbours(trialspace=elements, testspace=space) @ _Neighbours(trialspace=space, testspace=elements)

@@ -8,11 +8,10 @@ Geometry and C enter at quadrature points; where neither varies in an element, t
 points disappear.
 """
 
-from functools import cached_property
-
 import numpy as np
 
 from .geometry import CellGeometry
+from .parallel import Cached
 
 
 def SymmetricBasis(dim):
@@ -27,39 +26,48 @@ def SymmetricBasis(dim):
 class Cells(CellGeometry):
     """Batches of element matrices for all elements of one type; sides are numbered by s = 0 ... nf-1, n is outward."""
 
-    @cached_property
+    @property
     def basis(self):
         return SymmetricBasis(self.dim)
 
-    @cached_property
-    def _stressgradient(self):
-        """C_ijkl G_tl, that maps reference gradients of u_k to stresses, (n, q, i, j, k, t) each."""
-        if self.material.bonus == 0 and self._affine is not None:
-            return [np.einsum("nqijkl,nqtl->nqijkt", self.C[0], self._geometry[0][0])] * (1 + len(self.sides))
-        return [np.einsum("nqijkl,nqtl->nqijkt", C, G) for C, (G, _) in zip(self.C, self._geometry)]
+    def _Contract(self, pairs, number):
+        """sum_jl pairs[n, q, x, j, l] C_ijkl -> (n, q, x, i, k), in the element (0) or on side number - 1."""
+        C, d = self._C(number), self.dim
+        C = C.transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], d * d, d * d)
+        pairs = pairs.reshape(*pairs.shape[:3], d * d)
+        if C.shape[:2] == (1, 1):       # one product for all
+            return (pairs.reshape(-1, d * d) @ C[0, 0]).reshape(*pairs.shape[:3], d, d)
+        contracted = pairs @ C
+        return contracted.reshape(*contracted.shape[:3], d, d)
 
-    @cached_property
-    def _energydensity(self):
-        """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t) each."""
-        found = []
-        for number, ((G, _), stress) in enumerate(zip(self._geometry, self._stressgradient)):
-            same = number and stress is self._stressgradient[number - 1]
-            found.append(found[-1] if same else np.einsum("nqmj,nqijkt->nqikmt", G, stress))
-        return found
+    def _StressGradient(self):
+        """C_ijkl G_tl, that maps reference gradients of u_k to stresses in the element, (n, q, i, j, k, t)."""
+        C, (G, _), d = self._C(), self._Geometry(), self.dim
+        stress = C.reshape(*C.shape[:2], d ** 3, d) @ np.swapaxes(G, 2, 3)
+        return stress.reshape(*stress.shape[:2], d, d, d, d)
+
+    def _EnergyDensity(self, number=0):
+        """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t)."""
+        (G, _), d = self._Geometry(number), self.dim
+        pairs = G[:, :, :, None, :, None] * G[:, :, None, :, None, :]
+        density = self._Contract(pairs.reshape(*G.shape[:2], d * d, d, d), number)
+        return density.reshape(*density.shape[:2], d, d, d, d).transpose(0, 1, 4, 5, 2, 3)
 
     def _Sum(self, coefficient, integrand):
         """sum_q w_q coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y)."""
-        result = None
-        lead = coefficient.shape[1:-2]
-        for rows, shape in zip(self.rows, self.shapes):
+        lead, result = coefficient.shape[1:-2], None
+        for rows, shape in self.rows:
             values = integrand(shape)
-            part = coefficient[rows]
+            part = coefficient[rows] if len(self.rows) > 1 else coefficient
             if coefficient.shape[-2] == 1:
                 values = values.sum(axis=0, keepdims=True)
             part = part.reshape(len(rows) * int(np.prod(lead)), -1) @ values.reshape(-1, values.shape[-1])
+            part = part.reshape(len(rows), *lead, -1)
+            if len(self.rows) == 1:
+                return part
             if result is None:
-                result = np.empty((len(self.elements), *lead, values.shape[-1]))
-            result[rows] = part.reshape(len(rows), *lead, -1)
+                result = np.empty((len(self.elements), *part.shape[1:]))
+            result[rows] = part
         return result
 
     def _Gradients(self, coefficient, products):
@@ -96,16 +104,16 @@ class Cells(CellGeometry):
     def _Side(self, s, name):
         return lambda shape: (shape.facets[s].weights, getattr(shape.facets[s], name))
 
-    @cached_property
+    @Cached
     def energy(self):
         """K = int C eps(u):eps(v), (n, (i a), (k b))."""
-        _, volume = self._geometry[0]
-        return self._Gradients(self._energydensity[0] * volume[..., None, None, None, None], _GradientProducts)
+        _, volume = self._Geometry()
+        return self._Gradients(self._EnergyDensity() * volume[..., None, None, None, None], _GradientProducts)
 
-    @cached_property
+    @Cached
     def rotations(self):
         """int (d_i u_k - d_k u_i), i < k, as functionals, (n, (k a), pairs)."""
-        G, volume = self._geometry[0]
+        G, volume = self._Geometry()
         pairs = [(i, k) for i in range(self.dim) for k in range(i + 1, self.dim)]
         curl = np.zeros((len(pairs), self.dim, self.dim))
         for number, (i, k) in enumerate(pairs):
@@ -115,87 +123,95 @@ class Cells(CellGeometry):
 
     def Trace(self, s):
         """int_e u.mu with the transmitted part of u, (n, (i b), (k a))."""
-        _, measure = self._boundary[s]
-        transmitted = self._transmitted[s]
+        _, measure = self._Boundary(s)
+        transmitted = self._Transmitted(s)
         transmitted = np.eye(self.dim)[None, None] if transmitted is None else transmitted
         return self._Pairs(measure[..., None, None] * transmitted, self._Side(s, "m"), self._Side(s, "v"))
 
     def TraceValue(self, s):
         """M_F^-1 times `Trace`: the transmitted part of u on the side as coefficients in F_h, (n, (i b), (k a))."""
-        _, measure = self._boundary[s]
+        _, measure = self._Boundary(s)
         if measure.shape[1] > 1:
             inverse, trace = self.InverseTraceMass(s), self.Trace(s)
             return (inverse[:, None] @ trace.reshape(len(trace), self.dim, self.nm(s), -1)).reshape(trace.shape)
-        transmitted = self._transmitted[s]
-        if transmitted is None:
-            transmitted = np.broadcast_to(np.eye(self.dim), (len(measure), 1, self.dim, self.dim))
-
-        def Values(shape):
+        values = np.empty((len(measure), self.dim, self.nm(s), self.dim, self.na))
+        for rows, shape in self.rows:
             facet = shape.facets[s]
             mass, trace = (np.einsum("q,qb,qa->ba", facet.weights, facet.m, other) for other in (facet.m, facet.v))
-            return np.linalg.solve(mass, trace).reshape(1, 1, -1)
-
-        values = self._Sum(transmitted.transpose(0, 2, 3, 1)[..., None], Values)
-        values = values.reshape(len(measure), self.dim, self.dim, self.nm(s), self.na)
-        return values.transpose(0, 1, 3, 2, 4).reshape(len(measure), self.dim * self.nm(s), -1)
+            values[rows] = np.eye(self.dim)[:, None, :, None] * np.linalg.solve(mass, trace)[:, None, :]
+        transmitted = self._Transmitted(s)
+        if transmitted is not None:
+            values = np.einsum("nij,njbka->nibka", transmitted[:, 0], values)
+        return values.reshape(len(measure), self.dim * self.nm(s), -1)
 
     def Traction(self, s):
         """int_e {C eps(u) n}.mu with the transmitted part of the traction, (n, (i b), (k a))."""
-        return self._Mixed(self._Transmit(s, self._StressOnNormal(s)), lambda shape: shape.facets[s].m, s)
+        stress = self._StressOnNormal(s) * self._Boundary(s)[1][..., None, None, None]
+        return self._Mixed(self._Transmit(s, stress), lambda shape: shape.facets[s].m, s)
 
     def _StressOnNormal(self, s):
-        """n_j C_ijkl G_tl ds, (n, q, i, k, t)."""
-        n, measure = self._boundary[s]
-        return np.einsum("nqj,nqijkt->nqikt", n * measure[..., None], self._stressgradient[1 + s])
+        """n_j C_ijkl G_tl, (n, q, i, k, t)."""
+        (n, _), (G, _) = self._Boundary(s), self._Geometry(1 + s)
+        return self._Contract(n[:, :, None, :, None] * G[:, :, :, None, :], 1 + s).transpose(0, 1, 3, 4, 2)
 
     def _Transmit(self, s, coefficient):
-        transmitted = self._transmitted[s]
+        transmitted = self._Transmitted(s)
         return coefficient if transmitted is None else np.einsum("nqij,nqj...->nqi...", transmitted, coefficient)
 
     def LiftedTraction(self, s):
         """int_e q n.mu with the transmitted part of the traction, (n, (i b), (c p))."""
-        n, measure = self._boundary[s]
+        n, measure = self._Boundary(s)
         coefficient = self._Transmit(s, np.einsum("nqj,cij->nqic", n * measure[..., None], self.basis))
         return self._Pairs(coefficient, self._Side(s, "m"), self._Side(s, "p"))
 
     def InverseTraceMass(self, s):
         """The inverse of int_e mu nu, scalar, (n, b, b)."""
-        _, measure = self._boundary[s]
+        return self._InverseMass(self._Boundary(s)[1], self._Side(s, "m"))
+
+    def _InverseMass(self, measure, functions):
+        """The inverse of sum_q w_q measure[n, q] f_a f_b, (n, a, b); functions(shape) gives (w, f)."""
         if measure.shape[1] > 1:
-            return np.linalg.inv(self._Pairs(measure[..., None, None], self._Side(s, "m"), self._Side(s, "m")))
+            return np.linalg.inv(self._Pairs(measure[..., None, None], functions, functions))
 
         def Inverse(shape):
-            facet = shape.facets[s]
-            return np.linalg.inv(np.einsum("q,qa,qb->ab", facet.weights, facet.m, facet.m)).reshape(1, 1, -1)
+            weights, values = functions(shape)
+            return np.linalg.inv(np.einsum("q,qa,qb->ab", weights, values, values)).reshape(1, 1, -1)
 
-        return self._Sum(1 / measure[:, :, None], Inverse).reshape(len(measure), self.nm(s), self.nm(s))
+        size = functions(self._reference)[1].shape[1]
+        return self._Sum(1 / measure[:, :, None], Inverse).reshape(len(measure), size, size)
 
     def ElasticJump(self, s):
         """int_e {C sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
-        n, measure = self._boundary[s]
-        acoustic = np.einsum("nqj,nqijkl->nqikl", n * measure[..., None], self.C[1 + s])
-        return self._JumpMass(s, np.einsum("nqikl,nql->nqik", acoustic, n))
+        n, measure = self._Boundary(s)
+        pairs = n[..., :, None] * (n * measure[..., None])[..., None, :]
+        return self._JumpMass(s, self._Contract(pairs[:, :, None], 1 + s)[:, :, 0])
 
     def PlainJump(self, s):
         """int_e {sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
-        n, measure = self._boundary[s]
+        n, measure = self._Boundary(s)
         tensor = (np.eye(self.dim) + n[..., :, None] * n[..., None, :]) / 2
         return self._JumpMass(s, tensor * measure[..., None, None])
 
     def _JumpMass(self, s, tensor):
-        transmitted = self._transmitted[s]
+        transmitted = self._Transmitted(s)
         if transmitted is not None:
             tensor = transmitted @ tensor @ transmitted
         return self._Pairs(tensor, self._Side(s, "m"), self._Side(s, "m"))
 
+    def SurfaceRatios(self, weights):
+        """sum_s weights[n, s] |e_s| / |K|, (n,), where geometry is uniform."""
+        surface = sum(weights[:, s] * self._Boundary(s)[1][:, 0] * facet.weights.sum()
+                      for s, facet in enumerate(self._reference.facets))
+        return surface / (self._Geometry()[1][:, 0] * self._reference.weights.sum())
+
     def ElasticPencil(self, weights):
         """sum_s weights[n, s] int_e C eps(u):eps(v), (n, (i a), (k b))."""
-        scaled = [weights[:, s, None] * measure for s, (_, measure) in enumerate(self._boundary)]
-        if any(density.shape[1] > 1 for density in self._energydensity) or any(scale.shape[1] > 1 for scale in scaled):
-            return sum(self._Gradients(self._energydensity[1 + s] * scale[..., None, None, None, None], _OnSide(s))
+        scaled = [weights[:, s, None] * self._Boundary(s)[1] for s in self.sides]
+        if not self.uniform:
+            return sum(self._Gradients(self._EnergyDensity(1 + s) * scale[..., None, None, None, None], _OnSide(s))
                        for s, scale in enumerate(scaled))
         # One product for all sides, which take the place of the quadrature points.
-        return self._Gradients(self._energydensity[0] * np.concatenate(scaled, axis=1)[..., None, None, None, None],
+        return self._Gradients(self._EnergyDensity() * np.concatenate(scaled, axis=1)[..., None, None, None, None],
                                lambda shape: np.stack([_GradientProducts(facet).sum(axis=0) for facet in shape.facets]))
 
     def PlainPencil(self, weights):
@@ -203,41 +219,38 @@ class Cells(CellGeometry):
         return sum(self._PlainPencil(s, weights[:, s, None]) for s in self.sides)
 
     def _PlainPencil(self, s, weight):
-        n, measure = self._boundary[s]
+        n, measure = self._Boundary(s)
         measure = weight * measure
-        traction = np.einsum("nqj,nqijkt->nqikt", n, self._stressgradient[1 + s])
+        traction = self._StressOnNormal(s)
         dual = (2 * np.eye(self.dim) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]
         weighted = np.einsum("nqij,nqjkt->nqikt", dual, traction)
         return self._Gradients(np.einsum("nqjim,nqjkt->nqikmt", traction, weighted), _OnSide(s))
 
-    @cached_property
+    @Cached
     def stress(self):
         """R = int C eps(u):q, (n, (c p), (k a))."""
-        _, volume = self._geometry[0]
-        coefficient = np.einsum("cij,nqijkt->nqckt", self.basis, self._stressgradient[0] * volume[..., None, None, None, None])
+        _, volume = self._Geometry()
+        coefficient = np.einsum("cij,nqijkt->nqckt", self.basis, self._StressGradient() * volume[..., None, None, None, None])
         return self._Mixed(coefficient, lambda shape: shape.p)
 
-    @cached_property
-    def _liftmasses(self):
-        """(int q:r, int C q:r), each (n, (c p), (c p))."""
-        _, volume = self._geometry[0]
-
-        def Functions(shape):
-            return shape.weights, shape.p
-
-        plain = np.einsum("cij,dij->cd", self.basis, self.basis) * volume[..., None, None]
-        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, self.C[0], self.basis) * volume[..., None, None]
-        return self._Pairs(plain, Functions, Functions), self._Pairs(weighted, Functions, Functions)
-
-    @cached_property
+    @Cached
     def inverseliftmass(self):
         """M_Q^-1, (n, (c p), (c p))."""
-        return np.linalg.inv(self._liftmasses[0])
+        inverse = self._InverseMass(self._Geometry()[1], _LiftFunctions)
+        components = np.linalg.inv(np.einsum("cij,dij->cd", self.basis, self.basis))
+        size = len(components) * self.nl
+        return (components[:, None, :, None] * inverse[:, None, :, None, :]).reshape(-1, size, size)
 
-    @property
+    @Cached
     def weightedliftmass(self):
         """M_C, (n, (c p), (c p))."""
-        return self._liftmasses[1]
+        _, volume = self._Geometry()
+        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, self._C(), self.basis) * volume[..., None, None]
+        return self._Pairs(weighted, _LiftFunctions, _LiftFunctions)
+
+
+def _LiftFunctions(shape):
+    return shape.weights, shape.p
 
 
 def _GradientProducts(shapes):

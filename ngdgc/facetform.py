@@ -45,16 +45,28 @@ class FacetForm:
     def _Assemble(self, consistency):
         operators = self.operators
         matrix = operators.Matrix(self.space, reach=2 if self.globallift else 1)
-        own = [cells.energy.copy() for cells in operators.cells]
-        for patch, blocks in Map(lambda patch: (patch, self._FacetBlocks(patch, consistency)), operators.FacetPatches(),
-                                 threads=operators.many):
-            for (a, b), block in blocks.items():
-                if a == b:
-                    own[patch.sides[a].group][patch.sides[a].rows] += block
-                else:
-                    matrix.Put(patch.elements[:, a], patch.elements[:, b], block, add=not operators.facets.distinct)
-        for cells, block in zip(operators.cells, own):
-            matrix.Put(cells.elements, cells.elements, block)
+        distinct = operators.facets.distinct
+        own = [np.empty((len(cells.elements),) + 2 * (operators.dim * cells.na,)) for cells in operators.cells]
+        for cells, blocks in zip(operators.cells, own):
+            def Energy(batch, blocks=blocks):
+                rows, part = batch
+                blocks[rows] = part.energy
+
+            for _ in Map(Energy, cells.Parts(blocks[0].size), threads=operators.many):
+                pass
+
+        def Couple(patch):
+            """Put the blocks of neighbours, which no other facet has, into the matrix; return those of single elements."""
+            blocks = self._FacetBlocks(patch, consistency)
+            for a, b in [pair for pair in blocks if pair[0] != pair[1]]:
+                matrix.Put(patch.elements[:, a], patch.elements[:, b], blocks.pop((a, b)), add=not distinct)
+            return [(side, blocks[a, a]) for a, side in enumerate(patch.sides)]
+
+        for diagonal in Map(Couple, operators.FacetPatches(), threads=operators.many and distinct):
+            for side, block in diagonal:
+                own[side.group][side.rows] += block
+        for cells, blocks in zip(operators.cells, own):
+            matrix.Put(cells.elements, cells.elements, blocks)
         if self.globallift:
             for elements, block in Map(self._StarBlock, operators.Stars(), threads=operators.many):
                 matrix.Add(elements, block)
@@ -83,7 +95,7 @@ class FacetForm:
     def _StarBlock(self, star):
         """(elements, block) of (C r_0[u], r_0[v]) on a batch of elements."""
         lifting = self.operators.GlobalLifting(star)
-        weighted = self.operators.cells[star.group].weightedliftmass[star.rows] @ lifting
+        weighted = star.cells.weightedliftmass @ lifting
         return star.elements, np.swapaxes(lifting, 1, 2) @ weighted
 
     def _Data(self):
@@ -102,6 +114,7 @@ class FacetForm:
                 data[region][dofs] = operators.Apply(operators.inversemass(patch.sides[0]), moments[dofs][..., None])[..., 0]
         return data
 
+    @Batched
     def Prescribed(self):
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
         operators, loads = self.operators, {}
@@ -126,7 +139,7 @@ class FacetForm:
                 dofs = [operators.TraceDofs(facets) for _, facets, _ in star.arms]
                 liftings = operators.Liftings(star)
                 lifted = sum(lifting @ jump[own][..., None] for lifting, own in zip(liftings, dofs))
-                stress = operators.cells[star.group].weightedliftmass[star.rows] @ lifted
+                stress = star.cells.weightedliftmass @ lifted
                 for lifting, own in zip(liftings, dofs):
                     np.add.at(result, own, (np.swapaxes(lifting, 1, 2) @ stress)[..., 0])
         return result
@@ -140,6 +153,7 @@ class FacetForm:
             np.add.at(result, operators.Dofs(patch.elements), (np.swapaxes(blocks(patch), 1, 2) @ moments)[..., 0])
         return result
 
+    @Batched
     def Flux(self, gfu):
         """Coefficients in F_h of the numerical flux sigma_hat n, n the normal that fixes the orientation of the facet."""
         operators, vector = self.operators, gfu.vec.FV().NumPy()

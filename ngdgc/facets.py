@@ -3,12 +3,11 @@
 from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import chain
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, SEGM, TET, TRIG, VOL, BilinearForm, ElementId, FacetFESpace,
-                     GridFunction, IfPos, IntegrationRule, L2, LinearForm, TaskManager, ds, dx, specialcf, x, y, z)
+from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, SEGM, TET, TRIG, VOL, Discontinuous, ElementId, FacetFESpace,
+                     GridFunction, IfPos, IntegrationRule, L2, LinearForm, TaskManager, dx, specialcf, x, y, z)
 from ngsolve.la import SparseMatrixd
 
 # Vertices of NGSolve's reference elements, in the order of Element.vertices.
@@ -22,6 +21,9 @@ REFERENCE_VERTICES = {
 }
 THREADED = 3000     # elements from which threads pay
 VOLUME_TYPES = {2: (TRIG, QUAD), 3: (TET, HEX, PRISM, PYRAMID)}
+# Elements by their number of vertices, and how many facets they have.
+TYPES = {1: {2: ET.SEGM}, 2: {3: ET.TRIG, 4: ET.QUAD}, 3: {4: ET.TET, 5: ET.PYRAMID, 6: ET.PRISM, 8: ET.HEX}}
+SIDES = {2: {3: 3, 4: 4}, 3: {4: 4, 5: 5, 6: 5, 8: 6}}
 BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 
 
@@ -63,29 +65,48 @@ def VolumePoints(mesh, order):
 class Facets:
     """Neighbours, measures |e| and diameters h_e of the facets of a mesh.
 
-    `incidence` is the sparse (facets x elements) matrix with entry |e| where e is a facet of K; all other facet data
-    are arrays over facets, in the numbering of FacetFESpace.
+    `ofelements` are the facet numbers of all elements, one element after the other, each in NGSolve's local order; `incidence`
+    is the sparse (facets x elements) matrix with entry |e| where e is a facet of K; all other facet data are arrays over
+    facets, in the numbering of FacetFESpace.
     """
 
     def __init__(self, mesh):
-        self.mesh = mesh
-        elements, self.space = L2(mesh, order=0), FacetFESpace(mesh, order=0)
-        form = BilinearForm(trialspace=elements, testspace=self.space)
-        form += elements.TrialFunction() * self.space.TestFunction() * dx(element_boundary=True)
+        self.mesh, self.space = mesh, FacetFESpace(mesh, order=0)
+        # The dofs of this space are the sides of the elements, in the elements' local order.
+        v, number = Discontinuous(self.space).TestFunction(), self.Function(np.arange(self.space.ndof))
         with Threads(mesh):
-            form.Assemble()
-        self.incidence = Csr(form.mat)
+            measure, moment = (LinearForm(f * v * dx(element_boundary=True)).Assemble().vec.FV().NumPy().copy()
+                               for f in (CF(1), number))
+        self.ofelements = np.rint(moment / measure).astype(np.int64)
+        counts = np.zeros(self.vertices.shape[1] + 1, dtype=np.int64)
+        for vertices, sides in SIDES[mesh.dim].items():
+            counts[vertices:vertices + 1] = sides
+        self.starts = np.concatenate([[0], np.cumsum(counts[(self.vertices >= 0).sum(axis=1)])])
+        sides = sp.csr_matrix((measure, self.ofelements, self.starts), shape=(mesh.ne, self.space.ndof))
+        self.incidence = sides.T.tocsr()
 
     @cached_property
-    def ofelements(self):
-        """Facet numbers of all elements, one element after the other, each in NGSolve's local order."""
-        return np.fromiter(chain.from_iterable(element.dofs for element in self.space.Elements(VOL)), dtype=np.int64)
+    def vertices(self):
+        """Vertex numbers of the elements in NGSolve's local order, (ne, most), filled up with -1."""
+        return self._Vertices(self.mesh.dim, VOL)
+
+    def _Vertices(self, dim, kind):
+        mesh, most = self.mesh.ngmesh, max(TYPES[dim])
+        nodes = (mesh.Elements1D, mesh.Elements2D, mesh.Elements3D)[dim - 1]().NumPy()["nodes"].astype(np.int64) - 1
+        if dim > 1 and nodes.shape[1] > most:       # with points on edges, which are no vertices
+            found = [[vertex.nr for vertex in element.vertices] for element in self.mesh.Elements(kind)]
+            nodes = np.array([one + [-1] * (most - len(one)) for one in found])
+        return nodes[:, :most]
 
     @cached_property
+    def adjacency(self):
+        """Sparse (ne, ne), nonzero for elements with a common facet and on the diagonal."""
+        return self.incidence.T @ self.incidence
+
+    @property
     def distinct(self):
         """True if no two elements have two facets in common."""
-        pairs = self.incidence.T @ self.incidence
-        return pairs.nnz - self.mesh.ne == 2 * int(np.sum(self.neighbours > 1))
+        return self.adjacency.nnz - self.mesh.ne == 2 * int(np.sum(self.neighbours > 1))
 
     @cached_property
     def neighbours(self):
@@ -118,12 +139,31 @@ class Facets:
     @cached_property
     def component(self):
         """Number of the connected part of the mesh, over elements; parts hang together through facets."""
-        return sp.csgraph.connected_components(self.incidence.T @ self.incidence, directed=False)[1]
+        # Every element points to one of its part with a smaller number, or is the smallest; scipy.sparse.csgraph takes longer
+        # to import than this takes.
+        inside = self.incidence.indptr[:-1][self.neighbours > 1]
+        first, second = (self.incidence.indices[inside + side] for side in (0, 1))
+        smallest = np.arange(self.mesh.ne)
+        while np.any(apart := smallest[first] != smallest[second]):
+            first, second = first[apart], second[apart]
+            ends = smallest[first], smallest[second]
+            np.minimum.at(smallest, np.maximum(*ends), np.minimum(*ends))
+            while np.any((further := smallest[smallest]) != smallest):
+                smallest = further
+        return np.unique(smallest, return_inverse=True)[1]
+
+    @cached_property
+    def boundary(self):
+        """Of the boundary elements: numbers of facet (n,) and region (n,), vertex numbers (n, most) filled up with -1."""
+        pairs = [(element.dofs[0], element.index) for element in self.space.Elements(BND)]
+        return *np.array(pairs, dtype=np.int64).reshape(-1, 2).T, self._Vertices(self.mesh.dim - 1, BND)
 
     def On(self, region):
         """True for the facets of a boundary region, over facets."""
-        form = LinearForm(self.space.TestFunction() * ds(skeleton=True, definedon=self.mesh.Boundaries(region)))
-        return form.Assemble().vec.FV().NumPy() > 0
+        facets, regions, _ = self.boundary
+        on = np.zeros(self.space.ndof, dtype=bool)
+        on[facets[np.array(list(self.mesh.Boundaries(region).Mask()))[regions]]] = True
+        return on
 
     def Touching(self, facets):
         """True for the elements at any of the given facets (a mask), over elements."""
@@ -183,19 +223,24 @@ class BoundaryQuadrature:
         weights, inside, normals = measure.copy(), points.copy(), np.empty((len(points), dim))
         inside["VorB"] = 0
         starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))
-        for start in starts:
-            number = int(points["nr"][start])
-            element = mesh[ElementId(BND, number)]
-            here = slice(start, start + len(rules[element.type]))
-            weights[here] *= rules[element.type].weights
-            volume = mesh[ElementId(VOL, cls._Neighbour(facets, number))]
-            vertices = np.array(REFERENCE_VERTICES[volume.type], dtype=float)
-            corners = vertices[[list(volume.vertices).index(vertex) for vertex in element.vertices]]
-            normals[here] = ReferenceNormal(corners, vertices.mean(axis=0), dim)
-            inside["nr"][here] = volume.nr
-            reference = VertexFunctions(element.type, points["x"][here], points["y"][here]) @ corners
-            for axis, values in zip("xyz", reference.T):
-                inside[axis][here] = values
+        facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
+        volumes = facets.incidence.indices[facets.incidence.indptr[facet]]
+        around = facets.vertices[volumes]
+        # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
+        corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)
+        kinds, kind = np.unique(np.column_stack([corner, (around >= 0).sum(axis=1)]), axis=0, return_inverse=True)
+        for number, (*local, count) in enumerate(kinds):
+            members = np.flatnonzero(kind.ravel() == number)
+            et = TYPES[dim - 1][sum(one >= 0 for one in local)]
+            here = starts[members][:, None] + np.arange(len(rules[et]))
+            weights[here] *= rules[et].weights
+            reference = np.array(REFERENCE_VERTICES[TYPES[dim][count]], dtype=float)
+            corners = reference[[one for one in local if one >= 0]]
+            normals[here] = ReferenceNormal(corners, reference.mean(axis=0), dim)
+            inside["nr"][here] = volumes[members][:, None]
+            at = VertexFunctions(et, points["x"][here].ravel(), points["y"][here].ravel()) @ corners
+            for axis, values in zip("xyz", at.T):
+                inside[axis][here] = values.reshape(here.shape)
         # NGSolve's normal at boundary points follows the orientation of the boundary element, which may point into the body
         # (holes, mirrored meshes); the reference normal of the adjacent element, mapped as a covector, always points outward.
         mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)
@@ -203,11 +248,6 @@ class BoundaryQuadrature:
         return cls(points=points, inside=inside, weights=weights,
                    coordinates=np.asarray(Coordinates(dim)(points)).reshape(-1, dim),
                    normals=normals / np.linalg.norm(normals, axis=1)[:, None])
-
-    @staticmethod
-    def _Neighbour(facets, number):
-        facet = facets.space.GetDofNrs(ElementId(BND, number))[0]
-        return int(facets.incidence.indices[facets.incidence.indptr[facet]])
 
 
 def ReferenceNormal(corners, centre, dim):
@@ -231,7 +271,7 @@ def BoundaryFunction(facets, gfu):
     mesh, corners, values = facets.mesh, [], []
     points = mesh.ngmesh.Coordinates()
     for element in mesh.Elements(BND):
-        volume = mesh[ElementId(VOL, BoundaryQuadrature._Neighbour(facets, element.nr))]
+        volume = mesh[ElementId(VOL, int(facets.incidence.indices[facets.incidence.indptr[facets.boundary[0][element.nr]]]))]
         trafo = mesh.GetTrafo(ElementId(VOL, volume.nr))
         inside = [REFERENCE_VERTICES[volume.type][list(volume.vertices).index(vertex)] for vertex in element.vertices]
         corners.append(np.array([points[vertex.nr] for vertex in element.vertices]))

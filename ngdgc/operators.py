@@ -15,37 +15,17 @@ Averages count the two sides of an interior facet by 1/2 and a boundary facet fu
 fixes the orientation.  On a roller w = v_n n and the traction is its normal part.
 """
 
-from functools import cached_property, partial
+from functools import cached_property
 
 import numpy as np
 from ngsolve import L2, FacetFESpace, MatrixValued, specialcf
 
-from .parallel import Map
 from .patches import Patches
 from .pattern import BlockMatrix, Numbers
 
 
-class Sides:
-    """Blocks of one kind for all sides of all elements, looked up by cell group and number of facet functions."""
-
-    def __init__(self, operators, compute):
-        self.blocks = {}
-        for g, cells in enumerate(operators.cells):
-            for size, slots in operators.slots[g].items():
-                blocks = None
-                for position, computed in enumerate(Map(partial(compute, cells), slots, threads=operators.many)):
-                    if blocks is None:
-                        blocks = np.empty((len(computed), len(slots), *computed.shape[1:]))
-                    blocks[:, position] = computed
-                self.blocks[g, size] = blocks
-
-    def __call__(self, side):
-        """Blocks (n, ...) of n sides."""
-        return self.blocks[side.group, side.size][side.rows, side.positions]
-
-
 class FacetOperators(Patches):
-    """The blocks of the operators on batches of facets and elements; each kind is computed when it is first used."""
+    """The blocks of the operators on batches of facets and elements, computed anew in each batch: none of them are kept."""
 
     @property
     def normal(self):
@@ -90,51 +70,25 @@ class FacetOperators(Patches):
         """Dofs (n, r) of F_h on facets (n,)."""
         return Numbers(self.tracestarts, facets[:, None], self.dim)
 
-    @cached_property
-    def _traces(self):
-        return Sides(self, lambda cells, s: cells.Trace(s))
+    @staticmethod
+    def elasticjumps(side):
+        """int_e {C sym(mu (x) n)} n.nu from one side, (n, r, r)."""
+        return side.Blocks(lambda cells, s: cells.ElasticJump(s))
 
-    @cached_property
-    def _tractions(self):
-        return Sides(self, lambda cells, s: cells.Traction(s))
+    @staticmethod
+    def plainjumps(side):
+        """int_e {sym(mu (x) n)} n.nu from one side, (n, r, r)."""
+        return side.Blocks(lambda cells, s: cells.PlainJump(s))
 
-    @cached_property
-    def _liftedtractions(self):
-        return Sides(self, lambda cells, s: cells.LiftedTraction(s))
+    @staticmethod
+    def inversemass(side):
+        """M_F^-1 of single facets, scalar, (n, b, b)."""
+        return side.Blocks(lambda cells, s: cells.InverseTraceMass(s))
 
-    @cached_property
-    def _projectedtractions(self):
-        """Tractions of the projection of the stress on Q_h, N M_Q^-1 R."""
-        return Sides(self, lambda cells, s: cells.LiftedTraction(s) @ cells.inverseliftmass @ cells.stress)
-
-    def _LiftProducts(self, product):
-        """N product(cells) N' of single sides."""
-        def Product(cells, s):
-            traction = cells.LiftedTraction(s)
-            return traction @ product(cells) @ np.swapaxes(traction, 1, 2)
-
-        return Sides(self, Product)
-
-    @cached_property
-    def _liftenergies(self):
-        return self._LiftProducts(lambda cells: cells.inverseliftmass @ cells.weightedliftmass @ cells.inverseliftmass)
-
-    @cached_property
-    def _liftsquares(self):
-        return self._LiftProducts(lambda cells: cells.inverseliftmass)
-
-    @cached_property
-    def elasticjumps(self):
-        return Sides(self, lambda cells, s: cells.ElasticJump(s))
-
-    @cached_property
-    def plainjumps(self):
-        return Sides(self, lambda cells, s: cells.PlainJump(s))
-
-    @cached_property
-    def inversemass(self):
-        """M_F^-1 of single facets, scalar, by side."""
-        return Sides(self, lambda cells, s: cells.InverseTraceMass(s))
+    @staticmethod
+    def tracevalues(side):
+        """M_F^-1 times the traces: u on one side of the facets as coefficients in F_h, (n, r, m)."""
+        return side.Blocks(lambda cells, s: cells.TraceValue(s))
 
     def _Joined(self, parts):
         """Blocks (n, r, m) of V_h x F_h on a patch from those of its sides, components first."""
@@ -146,23 +100,20 @@ class FacetOperators(Patches):
         n, r = blocks.shape[:2]
         return (inverse[:, None] @ blocks.reshape(n, self.dim, r // self.dim, -1)).reshape(blocks.shape)
 
-    @cached_property
-    def tracevalues(self):
-        """M_F^-1 times the traces: u on one side of the facets as coefficients in F_h."""
-        return Sides(self, lambda cells, s: cells.TraceValue(s))
-
     def SideJump(self, side):
         """The part of M_F^-1 J on one side, (n, r, m)."""
         return self.tracevalues(side) * side.sign[:, None, None]
 
     def SideTraction(self, side, facets, lifted):
         """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, m)."""
-        blocks = (self._projectedtractions if lifted else self._tractions)(side)
-        return blocks * (self.share[facets] * side.sign)[:, None, None]
+        def Traction(cells, s):
+            return cells.LiftedTraction(s) @ (cells.inverseliftmass @ cells.stress) if lifted else cells.Traction(s)
+
+        return side.Blocks(Traction) * (self.share[facets] * side.sign)[:, None, None]
 
     def JumpBlocks(self, patch):
         """J, (n, r, m)."""
-        return self._Joined([self._traces(side) * side.sign[:, None, None] for side in patch.sides])
+        return self._Joined([side.Blocks(lambda cells, s: cells.Trace(s)) * side.sign[:, None, None] for side in patch.sides])
 
     def Jumps(self, patch):
         """M_F^-1 J: the jump as coefficients in F_h, (n, r, m)."""
@@ -174,19 +125,28 @@ class FacetOperators(Patches):
 
     def LocalEnergy(self, patch):
         """(C r_e(mu), r_e(nu)), (n, r, r)."""
-        share = self.share[patch.facets]
-        return sum(share[:, None, None] ** 2 * self._liftenergies(side) for side in patch.sides)
+        def Energy(cells, s):
+            lifting = cells.LiftedTraction(s) @ cells.inverseliftmass
+            return lifting @ cells.weightedliftmass @ np.swapaxes(lifting, 1, 2)
+
+        return self._OfSides(patch, Energy)
 
     def LocalSquare(self, patch):
         """(r_e(mu), r_e(nu)), (n, r, r)."""
+        def Square(cells, s):
+            traction = cells.LiftedTraction(s)
+            return traction @ cells.inverseliftmass @ np.swapaxes(traction, 1, 2)
+
+        return self._OfSides(patch, Square)
+
+    def _OfSides(self, patch, product):
         share = self.share[patch.facets]
-        return sum(share[:, None, None] ** 2 * self._liftsquares(side) for side in patch.sides)
+        return sum(share[:, None, None] ** 2 * side.Blocks(product) for side in patch.sides)
 
     def Liftings(self, star):
         """-M_Q^-1 N' : the liftings of traces on the star's facets as coefficients in Q_h, [(n, (c p), r)] over its arms."""
-        inverse = self.cells[star.group].inverseliftmass[star.rows]
-        return [-inverse @ np.swapaxes(self._liftedtractions(side), 1, 2) * (self.share[facets] * side.sign)[:, None, None]
-                for side, facets, _ in star.arms]
+        return [-star.cells.inverseliftmass @ np.swapaxes(side.Blocks(lambda cells, s: cells.LiftedTraction(s)), 1, 2)
+                * (self.share[facets] * side.sign)[:, None, None] for side, facets, _ in star.arms]
 
     def GlobalLifting(self, star):
         """r_0([u]) on the star's elements from the displacements on the star, (n, (c p), m)."""
@@ -201,13 +161,12 @@ class FacetOperators(Patches):
     def contains(self):
         """True if C eps(V_h) lies in Q_h, as far as the facets see: then edge form and lifting form are the same."""
         difference = largest = 0.0
-        for key, tractions in self._tractions.blocks.items():
-            cells = self.cells[key[0]]
-            chosen = cells.samples
-            projection = cells.inverseliftmass[chosen] @ cells.stress[chosen]
-            plain, projected = tractions[chosen], self._liftedtractions.blocks[key][chosen] @ projection[:, None]
-            difference = max(difference, np.abs(plain - projected).max())
-            largest = max(largest, np.abs(plain).max())
+        for cells in (cells.samples for cells in self.cells):
+            projection = cells.inverseliftmass @ cells.stress
+            for s in cells.sides:
+                traction = cells.Traction(s)
+                difference = max(difference, np.abs(traction - cells.LiftedTraction(s) @ projection).max())
+                largest = max(largest, np.abs(traction).max())
         # Round-off of products of matrices with entries of different size.
         return difference <= 1e-10 * largest
 
@@ -236,4 +195,4 @@ class FacetOperators(Patches):
 
     def Matrix(self, space, reach):
         """An empty BlockMatrix on V_h = space."""
-        return BlockMatrix(space, self.starts, self.facets.incidence.T @ self.facets.incidence, reach)
+        return BlockMatrix(space, self.starts, self.facets.adjacency, reach)

@@ -14,6 +14,22 @@ def _Blas():
     return ThreadpoolController().select(user_api="blas")
 
 
+class Cached:
+    """functools.cached_property without its lock, at which before Python 3.12 all threads wait for one, whatever the object."""
+
+    def __init__(self, function):
+        self._function, self.__doc__ = function, function.__doc__
+
+    def __set_name__(self, owner, name):
+        self._name = name
+
+    def __get__(self, instance, owner=None):
+        if instance is None:
+            return self
+        value = instance.__dict__[self._name] = self._function(instance)
+        return value
+
+
 def Batched(function):
     """Decorator: run with one BLAS thread.
 

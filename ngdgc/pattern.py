@@ -2,8 +2,7 @@
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import BilinearForm
-from ngsolve.la import SparseMatrixd
+from ngsolve import L2, BilinearForm
 
 
 def Numbers(starts, patches, dim):
@@ -24,10 +23,9 @@ class BlockMatrix:
 
     def __init__(self, space, starts, neighbours, reach):
         self.starts, self.dim = starts, space.mesh.dim
-        self.native = BilinearForm(space).Assemble().mat
+        self.native = _Neighbours(space=space) if reach == 1 else _NeighboursOfNeighbours(space)
         graph = (neighbours != 0).astype(np.int32) + sp.identity(neighbours.shape[0], dtype=np.int32, format="csr")
         if reach == 2:
-            self.native = self.native @ self._OneRowPerElement(graph)
             graph = graph @ graph
         graph.sort_indices()
         self._values, _, rows = (np.asarray(part) for part in self.native.CSR())
@@ -41,38 +39,27 @@ class BlockMatrix:
         if self._width @ sizes * self.dim ** 2 != self.native.nze:
             raise RuntimeError("NGSolve's matrix has another pattern than the elements' neighbours")
 
-    def _OneRowPerElement(self, graph):
-        """A native matrix with the pattern of the neighbours' columns in the first row of each element, and nothing else.
-
-        NGSolve's product of the pattern with it has full blocks of neighbours of neighbours, for a small part of the work that
-        the square of the pattern is.
-        """
-        graph = graph.tocoo()
-        sizes = np.diff(self.starts)
-        repeat = self.dim * sizes[graph.col]
-        rows = np.repeat(self.starts[graph.row], repeat)
-        within = np.arange(repeat.sum()) - np.repeat(np.cumsum(repeat) - repeat, repeat)
-        size, start = np.repeat(sizes[graph.col], repeat), np.repeat(self.starts[graph.col], repeat)
-        columns = within // size * self.starts[-1] + start + within % size
-        n = self.dim * int(self.starts[-1])
-        return SparseMatrixd.CreateFromCOO(rows, columns, np.zeros(len(rows)), n, n)
-
     def _Offsets(self, rows, columns):
         """Scalar columns before the block of element `columns` in the rows of element `rows`, arrays of one shape."""
         return self._offsets[np.searchsorted(self._keys, (rows * (len(self.starts) - 1) + columns).ravel())].reshape(rows.shape)
 
     def Put(self, rows, columns, blocks, *, add=False):
         """Set blocks (n, m_a, m_b), or add to them, of distinct pairs of elements (rows, columns); faster than `Add`."""
-        width = int(np.diff(self.starts)[columns[0]])
-        before = self._Offsets(rows, columns)[:, None] + np.arange(self.dim) * self._width[rows][:, None]
-        first = self._rows[Numbers(self.starts, rows[:, None], self.dim)][:, :, None] + before[:, None, :]
-        # Entries of one component are neighbours in memory: windows of that width on the values.
-        values = self._values
-        windows = np.lib.stride_tricks.as_strided(values, (len(values) - width + 1, width), 2 * values.strides)
-        if add:
-            windows[first] += blocks.reshape(*first.shape, width)
-        else:
-            windows[first] = blocks.reshape(*first.shape, width)
+        height, width = (int(self.starts[one[0] + 1] - self.starts[one[0]]) for one in (rows, columns))
+        first = self._rows[self.starts[rows][:, None] + np.arange(self.dim) * self.starts[-1]]
+        first += self._Offsets(rows, columns)[:, None]
+        blocks = blocks.reshape(len(rows), self.dim, height * self.dim, width)
+        # Entries of one component are neighbours in memory, and the rows of an element equally long: windows on the values.
+        lengths = self._width[rows]
+        for length in np.unique(lengths):
+            members = slice(None) if np.all(lengths == length) else lengths == length
+            shape = len(self._values) - (height * self.dim - 1) * length - width + 1, height * self.dim, width
+            (step,) = self._values.strides
+            windows = np.lib.stride_tricks.as_strided(self._values, shape, (step, int(length) * step, step))
+            if add:
+                windows[first[members]] += blocks[members]
+            else:
+                windows[first[members]] = blocks[members]
 
     def Add(self, elements, blocks):
         """Add blocks (n, m, m) of the displacements on patches of elements (n, patch), ordered component, element, function."""
@@ -88,3 +75,14 @@ class BlockMatrix:
         column += component * self._width[elements[:, slot]][:, :, None]
         column += row[:, :, None]
         np.add.at(self._values, column.ravel(), blocks.ravel())
+
+
+def _Neighbours(**spaces):
+    """A native matrix of zeros with full blocks for pairs of elements across a facet; the spaces have dgjumps=True."""
+    return BilinearForm(**spaces, check_unused=False).Assemble().mat
+
+
+def _NeighboursOfNeighbours(space):
+    """The same for neighbours of neighbours as well: a small product, since one row per element stands for all in between."""
+    elements = L2(space.mesh, order=0, dgjumps=True)
+    return _Neighbours(trialspace=elements, testspace=space) @ _Neighbours(trialspace=space, testspace=elements)

@@ -19,24 +19,38 @@ from functools import cached_property
 import numpy as np
 from ngsolve import L2, GridFunction, OuterProduct, Sym
 
-from .cells import Cells
-from .facets import THREADED, VolumePoints
+from .facets import VolumePoints
 from .parallel import Map
 
 MARGIN = 2      # kappa_K = 1/MARGIN for penalty="auto": B_h >= (1 - 1/sqrt 2) of the energy norm
 
 
-def ElementPencil(operators, facetweight, pencil):
+def ElementBounds(operators, facetweight, bound):
     """Largest eigenvalue over V_h(K) of sum_e facetweight_e pencil_e against int_K C eps:eps, over elements.
 
-    pencil(cells, weights) : the matrices of a quadratic form of eps, summed over sides with weights (n, sides)
+    bound(cells, weights) : `ElasticBound` or `PlainBound`, that is the pencil, with weights (n, sides)
     """
+    def Largest(batch):
+        _, cells = batch
+        weights = facetweight[cells.facets]
+        return cells.elements, bound(cells, weights) if weights.any() else 0
+
     largest = np.zeros(operators.mesh.ne)
     for cells in operators.cells:
-        weights = facetweight[cells.facets]
-        if weights.any():
-            largest[cells.elements] = LargestEigenvalues(pencil(cells, weights), cells)
+        for elements, values in Map(Largest, cells.Parts((operators.dim * cells.na) ** 2), threads=operators.many):
+            largest[elements] = values
     return largest
+
+
+def ElasticBound(cells, weights):
+    """Largest eigenvalues for int_e C eps:eps, (n,)."""
+    # Where the strains are constant the two forms are proportional.
+    return cells.SurfaceRatios(weights) if cells.constant else LargestEigenvalues(cells.ElasticPencil(weights), cells)
+
+
+def PlainBound(cells, weights):
+    """Largest eigenvalues for int_e 2 |C eps n|^2 - (n.C eps n)^2, (n,)."""
+    return LargestEigenvalues(cells.PlainPencil(weights), cells)
 
 
 def LargestEigenvalues(upper, cells):
@@ -46,24 +60,13 @@ def LargestEigenvalues(upper, cells):
     added to x until they vanish; functions without gradient are left out.
     """
     lower, rotations = cells.energy, cells.rotations
-    diagonal = np.diagonal(lower, axis1=1, axis2=2).argmax(axis=1)
-    each = np.arange(len(lower))
-    ratio = upper[each, diagonal, diagonal] / lower[each, diagonal, diagonal]
-    # Strains that are constant: the two forms are proportional, and their ratio is the eigenvalue.
-    if np.abs(upper - ratio[:, None, None] * lower).max() <= 1e-13 * np.abs(upper).max():
-        return ratio
     moving = np.any(np.diagonal(lower, axis1=1, axis2=2) > 0, axis=0)
     select = np.ix_(np.arange(len(lower)), np.flatnonzero(moving), np.flatnonzero(moving))
     upper, lower, rotations = upper[select], lower[select], rotations[:, moving]
     scale = np.trace(lower, axis1=1, axis2=2) / np.square(rotations).sum(axis=(1, 2))
     lower = lower + scale[:, None, None] * rotations @ np.swapaxes(rotations, 1, 2)
-
-    def Solve(part):
-        factor = np.linalg.inv(np.linalg.cholesky(lower[part]))
-        return np.linalg.eigvalsh(factor @ upper[part] @ np.swapaxes(factor, 1, 2))[:, -1]
-
-    parts = np.array_split(np.arange(len(lower)), 1 + len(lower) // THREADED)
-    return np.concatenate(list(Map(Solve, parts, threads=len(parts) > 1)))
+    factor = np.linalg.inv(np.linalg.cholesky(lower))
+    return np.linalg.eigvalsh(factor @ upper @ np.swapaxes(factor, 1, 2))[:, -1]
 
 
 def Penalty(value, weighting, operators):
@@ -93,7 +96,7 @@ class ScalarPenalty:
         shear = np.zeros(mesh.ne)
         np.maximum.at(shear, points["nr"], operators.material.ShearAt(points))
         unit = facets.LargestNeighbour(shear) * _Scale(operators)
-        needed = ElementPencil(operators, operators.share / unit, Cells.PlainPencil).max(initial=0)
+        needed = ElementBounds(operators, operators.share / unit, PlainBound).max(initial=0)
         self.value = MARGIN * needed if value == "auto" else value
         self.bound = needed / self.value
         self._facets, self._operators, self._weights = facets, operators, self.value * unit
@@ -124,15 +127,17 @@ class ElasticPenalty:
         facets, share = operators.facets, operators.share
         self._facets, self._operators = facets, operators
         self._onfacets = facets.measure if value == "auto" else value * _Scale(operators)
-        needed = ElementPencil(operators, share / self._onfacets, Cells.ElasticPencil)
+        needed = ElementBounds(operators, share / self._onfacets, ElasticBound)
         self._inelements = MARGIN * needed if value == "auto" else np.ones(operators.mesh.ne)
         self.bound = 1 / MARGIN if value == "auto" else needed.max(initial=0)
 
     def FacetMatrix(self, patch):
         """<P(mu):[nu]>, (n, r, r)."""
-        weight = self._operators.share[patch.facets] * self._onfacets[patch.facets]
-        return sum((weight * self._inelements[elements])[:, None, None] * self._operators.elasticjumps(side)
-                   for elements, side in zip(patch.elements.T, patch.sides))
+        weights = (self._operators.share * self._onfacets)[patch.facets, None] * self._inelements[patch.elements]
+        sides = patch.sides
+        if self._operators.material.bonus == 0:     # C is the same on both sides
+            weights, sides = weights.sum(axis=1, keepdims=True), sides[:1]
+        return sum(weight[:, None, None] * self._operators.elasticjumps(side) for weight, side in zip(weights.T, sides))
 
     @cached_property
     def _functions(self):

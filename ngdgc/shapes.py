@@ -46,6 +46,7 @@ class ReferenceCell:
 
     et : element type;  rank : order of its global vertex numbers, a permutation of 0, 1, ...
     points (q, 3), weights (q,), dv (q, d, na), p (q, nl);  facets : FacetShapes in NGSolve's local order
+    constant : True if all gradients are constant
     """
 
     def __init__(self, et, rank, order, liftorder, bonus):
@@ -65,6 +66,8 @@ class ReferenceCell:
             slot = numbers.index((element.edges if self.dim == 2 else element.faces)[0].nr)
             facets[slot] = self._Facet(element, rank, degree, v, p, traces.GetFE(ElementId(BND, element.nr)))
         self.facets = [facets[slot] for slot in range(len(numbers))]
+        gradients = np.concatenate([self.dv, *(facet.dv for facet in self.facets)])
+        self.constant = bool(np.ptp(gradients, axis=0).max() <= 1e-14 * np.abs(gradients).max())
 
     def _Mesh(self, et, rank):
         mesh = NetgenMesh()

@@ -9,11 +9,11 @@ from ngsolve import BilinearForm, GridFunction, LinearForm, Norm, ds, dx
 from .coefficients import LOADBONUS, Unfolded
 from .contact import ContactBoundary
 from .exceptions import ProblemError
-from .facets import Csr, Facets, Native, Threads
+from .facets import Csr, Facets, Native, NodalRules, Threads
 from .problem import ContactProblem
 from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
-from .validation import CheckMesh, CheckProblem, UnresistedMotion
+from .validation import CheckMesh, CheckProblem, FreeMotion, Springs, Supports
 
 SOFT = 1e-3     # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
 
@@ -53,13 +53,10 @@ class Discretization:
         self.problem, self.method, self.mesh, self.order, self.assembly = problem, method, mesh, int(order), assembly
         self.facets = Facets(mesh)
         CheckProblem(problem, mesh, self.facets)
-        self.unresisted = UnresistedMotion(problem, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
-        # With more points than traces u_t = 0 at the points of a sticking facet would over-determine u, and t not be unique.
-        # The rule of degree 6 for triangles has 12 points for 10 traces.
-        many = method.discontinuous and (mesh.dim == 2 or self.order != 3)
-        degree = 2 * self.order if many else 2 * self.order - 2
-        self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), degree)
+        scalar = method.ScalarSpace(mesh, self.order)
+        self.contact = ContactBoundary(problem, self.facets, self.space, scalar, ContactRules(method, mesh.dim, self.order))
+        self._supports = Supports(problem, self.facets, self.contact)
         self.solves, self.addedmatrices, self.addedloads = 0, [], []
 
     def __repr__(self):
@@ -111,6 +108,8 @@ class Discretization:
         if not np.all(np.isfinite(values.FV().NumPy())):
             raise ProblemError("the added form is not finite; look for a division by zero or a root of a negative number")
         (self.addedmatrices if isinstance(form, BilinearForm) else self.addedloads).append(form)
+        for name in ("addedmatrix", "unresisted"):
+            self.__dict__.pop(name, None)
         return self
 
     def _CheckAdded(self, form):
@@ -144,9 +143,23 @@ class Discretization:
         return matrix
 
     @property
+    def loose(self):
+        """Words for the rigid motions that neither dirichlet nor roller resist, or None."""
+        return FreeMotion(self.facets, self._supports)
+
+    @cached_property
+    def unresisted(self):
+        """Words for the rigid motions that added forms do not resist either, so that only contact does, or None."""
+        if not self.loose or not self.addedmatrices:
+            return self.loose
+        size = np.trace(self._supports, axis1=1, axis2=2)[:, None, None]
+        springs = Springs(self.facets, self.space, self.addedmatrix)
+        return FreeMotion(self.facets, self._supports / np.where(size > 0, size, 1) + springs)
+
+    @property
     def _held(self):
-        """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite if the foundation alone holds the body, or None."""
-        if not self.unresisted:
+        """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite where dirichlet and roller do not, or None."""
+        if not self.loose:
             return None
         contact = self.contact
         weights = np.repeat(SOFT / contact.flexibility * contact.weights, contact.dim)
@@ -265,3 +278,16 @@ class Discretization:
     def Response(self, traction):
         """S t = A^-1 T' W t, the displacement caused by a traction t (n, d) on Gamma_C, as coefficients (ndof,)."""
         return self.SolveLinear(self.contact.Load(traction))
+
+
+def ContactRules(method, dim, order):
+    """Rules of the quadrature on Gamma_C, as for `BoundaryQuadrature.On`.
+
+    With more points than traces u_t = 0 at the points of a sticking facet would over-determine u, and t not be unique.  Fewer
+    suffice, but Gauss' k points on edges of conforming elements do not: tractions of alternating sign would
+    hardly load any node, and S have eigenvalues of O(h^3) where O(h) is natural.
+    """
+    if not method.discontinuous:
+        return NodalRules(order)
+    # NGSolve's rule of degree 6 for triangles has 12 points for 10 traces.
+    return 2 * order if dim == 2 or order != 3 else 2 * order - 2

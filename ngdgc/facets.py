@@ -171,12 +171,10 @@ class BoundaryQuadrature:
         return self.points["nr"]
 
     @classmethod
-    def On(cls, facets, region, order):
+    def On(cls, facets, region, rules):
+        """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules."""
         mesh, dim = facets.mesh, facets.mesh.dim
-        rules = {et: IntegrationRule(et, order) for et in BOUNDARY_TYPES[dim]}
-        if order == 0:
-            # Conforming traces of order 1 are determined by their values at the vertices, which neighbours share.
-            rules[TRIG] = IntegrationRule([(0, 0), (1, 0), (0, 1)], [1 / 6] * 3)
+        rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
         jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)
         measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))
@@ -208,6 +206,22 @@ class BoundaryQuadrature:
     def _Neighbour(facets, number):
         facet = facets.space.GetDofNrs(ElementId(BND, number))[0]
         return int(facets.incidence.indices[facets.incidence.indptr[facet]])
+
+
+def NodalRules(order):
+    """Rules for traces of continuous functions of degree k, {boundary element type: IntegrationRule}.
+
+    On edges and quadrilaterals Gauss-Lobatto's k + 1 points in each direction, of degree 2 k - 1; on triangles the vertices for
+    k = 1 and NGSolve's rule of degree 2 k - 2 else, which for k = 2 are the midpoints of the edges.
+    """
+    legendre = np.polynomial.legendre.Legendre.basis(order)
+    nodes = np.concatenate([[-1], legendre.deriv().roots(), [1]])
+    weights = 1 / (order * (order + 1) * legendre(nodes) ** 2)
+    nodes = (1 + nodes) / 2
+    vertices = IntegrationRule([(0, 0), (1, 0), (0, 1)], [1 / 6] * 3)
+    return {SEGM: IntegrationRule([(s,) for s in nodes], weights.tolist()),
+            QUAD: IntegrationRule([(s, t) for s in nodes for t in nodes], np.outer(weights, weights).ravel().tolist()),
+            TRIG: vertices if order == 1 else IntegrationRule(TRIG, 2 * order - 2)}
 
 
 def ReferenceNormal(corners, centre, dim):

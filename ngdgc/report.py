@@ -69,7 +69,8 @@ def _Rates(rates):
 
 def _Levels(levels):
     return [f"  mesh {number}: {level['dofs']} unknowns, {level['points']} contact points, {level['iterations']} iterations, "
-            f"{level['solves']} linear solves, {level['seconds']:.2f} s" for number, level in enumerate(levels, start=1)]
+            f"{level['solves']} linear solves, {level['seconds']:.2f} s{'' if level['converged'] else ', not converged'}"
+            for number, level in enumerate(levels, start=1)]
 
 
 def _Contact(numbers):

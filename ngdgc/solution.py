@@ -58,7 +58,7 @@ def ObservedRate(history):
 class Level:
     """What one mesh of a nested iteration took: its size, iterations, applications of an inverse, and seconds.
 
-    The seconds contain matrix and factorisation.
+    The seconds contain matrix and factorisation.  If it has not converged the next mesh started from rest.
     """
 
     elements: int
@@ -67,6 +67,7 @@ class Level:
     iterations: int
     solves: int
     seconds: float
+    converged: bool = True
 
 
 class ContactSolution:

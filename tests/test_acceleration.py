@@ -81,10 +81,10 @@ def test_counts_of_anderson_do_not_grow_with_the_stiffness():
 def test_slip_patch_is_exact_for_stiff_and_nonlinear_foundations(stiffness, exponent):
     exact = AffinePatch("slip", stiffness=stiffness, exponent=exponent, coulomb=0.2)
     for solver in FAST:
-        solution = solver.Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(3), order=1))
+        # The tolerance is relative to what the tractions do to the body: they move its top by up to 570.
+        solution = replace(solver, tol=1e-12).Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(3), order=1))
         expected = np.array([exact.displacement(solution.disc.mesh(*point)) for point in solution.points])
-        # On a foundation far stiffer than the body its top moves by hundreds; the tolerance is relative to that.
-        assert solution.displacement == pytest.approx(expected, abs=1e-9 * max(1, np.abs(solution.At(0.5, 1)).max()))
+        assert solution.displacement == pytest.approx(expected, abs=1e-9)
         assert solution.ZoneLengths()["slip"] == pytest.approx(1)
 
 

@@ -51,16 +51,24 @@ class NestedNewtonSolver:
         if not isinstance(disc, Discretization):
             raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
         levels, start = [], None
-        for coarse in _Coarse(disc, self.coarser):
+        for coarse in self._Coarse(disc):
+            begin = time.perf_counter()
             try:
-                start, seconds = _Timed(solver, coarse, start)
-            except (NotConvergedError, ProblemError):
-                start = None        # it was to predict, no more: the next mesh starts from rest
-                continue
-            levels.append(_Level(start, seconds))
+                start, _ = _Timed(solver, coarse, start)
+                history = start.history
+            except (NotConvergedError, ProblemError) as error:
+                # It was to predict, no more: the next mesh starts from rest.
+                start, history = None, getattr(error, "history", ())
+            levels.append(_Level(coarse, history, time.perf_counter() - begin, start is not None))
         solution, seconds = self._Finest(solver, disc, start, callback)
-        solution.solver, solution.levels = repr(self), [*levels, _Level(solution, seconds)]
+        solution.solver, solution.levels = repr(self), [*levels, _Level(disc, solution.history, seconds, True)]
         return solution
+
+    def _Coarse(self, disc):
+        try:
+            return _Coarse(disc, self.coarser)
+        except ProblemError as error:
+            raise error if self.coarser is None else ProblemError(f"coarser: {error}") from error
 
     def _Finest(self, solver, disc, prediction, callback):
         """(solution, seconds) from the prediction, else from rest, else from other starts."""
@@ -84,9 +92,8 @@ def _Timed(solver, disc, coarse, callback=None):
     return solution, time.perf_counter() - start
 
 
-def _Level(solution, seconds):
-    disc = solution.disc
-    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(solution.history), disc.solves, seconds)
+def _Level(disc, history, seconds, converged):
+    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(history), disc.solves, seconds, converged)
 
 
 def _Coarse(disc, meshes):

@@ -10,9 +10,12 @@ from ngsolve import VOL, ElementId
 
 from .coefficients import ValuesAt
 from .exceptions import ProblemError
-from .facets import BoundaryQuadrature
+from .quadrature import BoundaryQuadrature
 from .foundation import LawAt
 from .hypotheses import CheckCompliance, CheckFriction, SlipFactor
+
+SAME = 1e-12        # squared relative distance of two traces that is round-off
+CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
 
 
 def Scale(vectors):
@@ -21,39 +24,52 @@ def Scale(vectors):
 
 
 class ContactBoundary:
-    """All foundations of a problem on one mesh, n quadrature points in d dimensions.
+    """All foundations of a problem on one mesh, n contact points in d dimensions.
+
+    These are the points of a quadrature rule.  Where conforming elements have one value for several facets its points are one
+    contact point with the sum of the weights: tractions that only their traces could tell apart would not be determined.
+
+    rules : of the quadrature, as for `BoundaryQuadrature.On`
 
     Attributes
     ----------
     coordinates, normals : (n, d);  weights, gap : (n,) [length^(d-1)], [length]
+    facets, members : (m,), the pairs of a facet and a contact point on it; of discontinuous elements every point has one facet
+    measures : (n,) of the facet, or the mean of several [length^(d-1)]
     trace : sparse (n d, ndof), row p d + i gives component i of u_h at point p
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of (foundation, slice of its points, compliance law, friction law), the laws with their data at the points
-
-    degree : of the polynomials that the quadrature rule integrates exactly
     """
 
-    def __init__(self, problem, facets, space, scalar, degree):
-        pieces = [BoundaryQuadrature.On(facets, foundation.boundary, degree) for foundation in problem.foundation]
-        self.coordinates, self.normals, self.weights, self.facets = (
+    def __init__(self, problem, facets, space, scalar, rules):
+        pieces = [BoundaryQuadrature.On(facets, foundation.boundary, rules) for foundation in problem.foundation]
+        points, inside, coordinates, normals, weights, self.facets = (
             np.concatenate([getattr(piece, name) for piece in pieces])
-            for name in ("coordinates", "normals", "weights", "facets"))
-        self.inside = np.concatenate([piece.inside for piece in pieces])
-        self.trace = TraceMatrix(space, scalar, self.inside)
+            for name in ("points", "inside", "coordinates", "normals", "weights", "facets"))
+        owner = np.repeat(np.arange(len(pieces)), [len(piece.weights) for piece in pieces])
+        dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
+        self.members = SharedPoints(trace[::dim], normals, owner)
+        _, first = np.unique(self.members, return_index=True)
+        self.weights = np.bincount(self.members, weights)
+        mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))
+        _, number = np.unique(self.facets, return_inverse=True)
+        self.measures = mean @ np.bincount(number, weights)[number]
+        self.normals = mean @ normals
+        self.normals /= np.linalg.norm(self.normals, axis=1)[:, None]
+        self.coordinates, self.inside, points, owner = coordinates[first], inside[first], points[first], owner[first]
+        self.trace = trace[(first[:, None] * dim + np.arange(dim)).ravel()]
         self.flexibility = np.ptp(self.coordinates, axis=0).max() / problem.material.ShearAt(self.inside).min()
         self.gap = np.empty(len(self.weights))
         self.parts = []
-        start = 0
-        for foundation, piece in zip(problem.foundation, pieces):
-            here = slice(start, start + len(piece.weights))
-            start = here.stop
+        for number, foundation in enumerate(problem.foundation):
+            here = slice(*np.searchsorted(owner, [number, number + 1]))
             name = f"foundation {foundation.boundary!r}: "
-            self.gap[here] = ValuesAt(foundation.gap, piece.points, name + "gap")
-            compliance = LawAt(foundation.compliance, piece.points, name)
-            CheckCompliance(compliance, len(piece.points), name[:-2])
-            friction = foundation.friction and LawAt(foundation.friction, piece.points, name)
+            self.gap[here] = ValuesAt(foundation.gap, points[here], name + "gap")
+            compliance = LawAt(foundation.compliance, points[here], name)
+            CheckCompliance(compliance, len(points[here]), name[:-2])
+            friction = foundation.friction and LawAt(foundation.friction, points[here], name)
             if friction is not None:
-                r = np.ones(len(piece.points))
+                r = np.ones(len(points[here]))
                 CheckFriction(friction, r, compliance.Pressure(r), name[:-2])
             self.parts.append((foundation, here, compliance, friction))
 
@@ -109,7 +125,7 @@ class ContactBoundary:
     def TraceProjection(self, traction):
         """The part of a traction (n, d) that the body feels: its projection on the traces of V_h in L2(Gamma_C), (n, d).
 
-        Where the points outnumber the traces (H1, triangles and higher orders in 3D) the rest is not determined by equilibrium.
+        Where the points outnumber the traces (triangles of Gamma_C at higher orders) the rest is not determined by equilibrium.
         """
         import scipy.sparse.linalg as spla      # slow to import
 
@@ -122,6 +138,22 @@ class ContactBoundary:
     def Load(self, traction):
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""
         return self.trace.T @ (self.weights[:, None] * traction).ravel()
+
+
+def SharedPoints(traces, normals, owner):
+    """The number of its contact point for every quadrature point, (m,), ascending with the first quadrature point of each.
+
+    Points are one if all displacements agree there, on facets of the same foundation (`owner`, (m,)) that form no corner.
+    traces : sparse (m, nscalar), values of the shape functions of one component at the points;  normals : (m, d)
+    """
+    gram = (traces @ traces.T).tocoo()
+    size, i, j = gram.diagonal(), gram.row, gram.col
+    same = size[i] + size[j] - 2 * gram.data < SAME * size[i]
+    same &= (owner[i] == owner[j]) & (np.einsum("md,md->m", normals[i], normals[j]) > CORNER)
+    graph = sp.coo_matrix((np.ones(same.sum()), (i[same], j[same])), shape=gram.shape)
+    labels = sp.csgraph.connected_components(graph, directed=False)[1]
+    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[number]
 
 
 def TraceMatrix(space, scalar, points):

@@ -13,9 +13,10 @@ from .exceptions import ProblemError
 from .facets import Csr, Facets, Native, Threads
 from .inverses import Inverse, Kind
 from .problem import ContactProblem
+from .quadrature import ContactRules
 from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
-from .validation import CheckMesh, CheckProblem, UnresistedMotion
+from .validation import CheckMesh, CheckProblem, FreeMotion, Springs, Supports
 
 SOFT = 1e-3     # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
 
@@ -56,13 +57,10 @@ class Discretization:
         self.problem, self.method, self.mesh, self.order, self.assembly = problem, method, mesh, int(order), assembly
         self.facets = Facets(mesh)
         CheckProblem(problem, mesh, self.facets)
-        self.unresisted = UnresistedMotion(problem, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
-        # With more points than traces u_t = 0 at the points of a sticking facet would over-determine u, and t not be unique.
-        # The rule of degree 6 for triangles has 12 points for 10 traces.
-        many = method.discontinuous and (mesh.dim == 2 or self.order != 3)
-        degree = 2 * self.order if many else 2 * self.order - 2
-        self.contact = ContactBoundary(problem, self.facets, self.space, method.ScalarSpace(mesh, self.order), degree)
+        scalar = method.ScalarSpace(mesh, self.order)
+        self.contact = ContactBoundary(problem, self.facets, self.space, scalar, ContactRules(method, mesh.dim, self.order))
+        self._supports = Supports(problem, self.facets, self.contact)
         self._inverse = inverse
         self.solves, self.factorisation, self.addedmatrices, self.addedloads = 0, 0.0, [], []
 
@@ -115,6 +113,8 @@ class Discretization:
         if not np.all(np.isfinite(values.FV().NumPy())):
             raise ProblemError("the added form is not finite; look for a division by zero or a root of a negative number")
         (self.addedmatrices if isinstance(form, BilinearForm) else self.addedloads).append(form)
+        for name in ("addedmatrix", "unresisted"):
+            self.__dict__.pop(name, None)
         return self
 
     def _CheckAdded(self, form):
@@ -148,9 +148,23 @@ class Discretization:
         return matrix
 
     @property
+    def loose(self):
+        """Words for the rigid motions that neither dirichlet nor roller resist, or None."""
+        return FreeMotion(self.facets, self._supports)
+
+    @cached_property
+    def unresisted(self):
+        """Words for the rigid motions that added forms do not resist either, so that only contact does, or None."""
+        if not self.loose or not self.addedmatrices:
+            return self.loose
+        size = np.trace(self._supports, axis1=1, axis2=2)[:, None, None]
+        springs = Springs(self.facets, self.space, self.addedmatrix)
+        return FreeMotion(self.facets, self._supports / np.where(size > 0, size, 1) + springs)
+
+    @property
     def _held(self):
-        """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite if the foundation alone holds the body, or None."""
-        if not self.unresisted:
+        """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite where dirichlet and roller do not, or None."""
+        if not self.loose:
             return None
         contact = self.contact
         weights = np.repeat(SOFT / contact.flexibility * contact.weights, contact.dim)

@@ -1,13 +1,12 @@
-"""Facets of a mesh, fixed once: neighbours, measures, diameters, and quadrature on boundary regions."""
+"""Facets of a mesh, fixed once: neighbours, measures, diameters; and what else is asked of a mesh."""
 
 from contextlib import nullcontext
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, SEGM, TET, TRIG, VOL, Discontinuous, ElementId, FacetFESpace,
-                     GridFunction, IfPos, IntegrationRule, L2, LinearForm, TaskManager, dx, specialcf, x, y, z)
+from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, Discontinuous, ElementId, FacetFESpace,
+                     GridFunction, IfPos, IntegrationRule, L2, LinearForm, TaskManager, dx, x, y, z)
 from ngsolve.la import SparseMatrixd
 
 # Vertices of NGSolve's reference elements, in the order of Element.vertices.
@@ -24,7 +23,6 @@ VOLUME_TYPES = {2: (TRIG, QUAD), 3: (TET, HEX, PRISM, PYRAMID)}
 # Elements by their number of vertices, and how many facets they have.
 TYPES = {1: {2: ET.SEGM}, 2: {3: ET.TRIG, 4: ET.QUAD}, 3: {4: ET.TET, 5: ET.PYRAMID, 6: ET.PRISM, 8: ET.HEX}}
 SIDES = {2: {3: 3, 4: 4}, 3: {4: 4, 5: 5, 6: 5, 8: 6}}
-BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 
 
 def Csr(matrix):
@@ -185,85 +183,6 @@ class Facets:
         largest = np.zeros(len(self.neighbours))
         largest[self.neighbours > 0] = np.maximum.reduceat(values[self.incidence.indices], pattern)
         return largest
-
-
-@dataclass(frozen=True)
-class BoundaryQuadrature:
-    """Points of a quadrature rule on a boundary region, n points in d dimensions.
-
-    `points` are NGSolve mesh points on the boundary and `inside` the same points in the adjacent volume elements;
-    `coordinates` (n, d), `normals` (n, d) outward, `weights` (n,) contain the surface measure; `elements` (n,) is the
-    number of the adjacent volume element, `facets` (n,) of the boundary element.
-    """
-
-    points: np.ndarray
-    inside: np.ndarray
-    coordinates: np.ndarray
-    normals: np.ndarray
-    weights: np.ndarray
-
-    @property
-    def elements(self):
-        return self.inside["nr"]
-
-    @property
-    def facets(self):
-        return self.points["nr"]
-
-    @classmethod
-    def On(cls, facets, region, order):
-        mesh, dim = facets.mesh, facets.mesh.dim
-        rules = {et: IntegrationRule(et, order) for et in BOUNDARY_TYPES[dim]}
-        if order == 0:
-            # Conforming traces of order 1 are determined by their values at the vertices, which neighbours share.
-            rules[TRIG] = IntegrationRule([(0, 0), (1, 0), (0, 1)], [1 / 6] * 3)
-        points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
-        jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)
-        measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))
-        weights, inside, normals = measure.copy(), points.copy(), np.empty((len(points), dim))
-        inside["VorB"] = 0
-        starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))
-        facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
-        volumes = facets.incidence.indices[facets.incidence.indptr[facet]]
-        around = facets.vertices[volumes]
-        # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
-        corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)
-        kinds, kind = np.unique(np.column_stack([corner, (around >= 0).sum(axis=1)]), axis=0, return_inverse=True)
-        for number, (*local, count) in enumerate(kinds):
-            members = np.flatnonzero(kind.ravel() == number)
-            et = TYPES[dim - 1][sum(one >= 0 for one in local)]
-            here = starts[members][:, None] + np.arange(len(rules[et]))
-            weights[here] *= rules[et].weights
-            reference = np.array(REFERENCE_VERTICES[TYPES[dim][count]], dtype=float)
-            corners = reference[[one for one in local if one >= 0]]
-            normals[here] = ReferenceNormal(corners, reference.mean(axis=0), dim)
-            inside["nr"][here] = volumes[members][:, None]
-            at = VertexFunctions(et, points["x"][here].ravel(), points["y"][here].ravel()) @ corners
-            for axis, values in zip("xyz", at.T):
-                inside[axis][here] = values.reshape(here.shape)
-        # NGSolve's normal at boundary points follows the orientation of the boundary element, which may point into the body
-        # (holes, mirrored meshes); the reference normal of the adjacent element, mapped as a covector, always points outward.
-        mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)
-        normals = np.linalg.solve(np.swapaxes(mapping, 1, 2), normals[..., None])[..., 0]
-        return cls(points=points, inside=inside, weights=weights,
-                   coordinates=np.asarray(Coordinates(dim)(points)).reshape(-1, dim),
-                   normals=normals / np.linalg.norm(normals, axis=1)[:, None])
-
-
-def ReferenceNormal(corners, centre, dim):
-    """Normal of a facet of the reference element, (dim,), pointing away from its centre; any length."""
-    edges = (corners - corners[0])[1:, :dim]
-    normal = np.array([edges[0][1], -edges[0][0]]) if dim == 2 else np.cross(edges[0], edges[1])
-    return normal * np.sign(normal @ (corners[0] - centre)[:dim])
-
-
-def VertexFunctions(et, s, t):
-    """Values of the vertex functions of a facet's reference element, (points, vertices)."""
-    if et == ET.SEGM:
-        return np.stack([s, 1 - s], axis=1)
-    if et == ET.TRIG:
-        return np.stack([s, t, 1 - s - t], axis=1)
-    return np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
 
 
 def BoundaryFunction(facets, gfu):

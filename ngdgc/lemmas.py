@@ -49,8 +49,8 @@ def NormMatrix(disc):
 
 
 def _CheckHeld(disc):
-    if disc.unresisted:
-        raise ProblemError(f"only contact resists {disc.unresisted}, so |||.||| is no norm; add dirichlet or roller")
+    if disc.loose:
+        raise ProblemError(f"only contact resists {disc.loose}, so |||.||| is no norm; add dirichlet or roller")
 
 
 def _Pencil(disc):

@@ -70,6 +70,7 @@ def _Rates(rates):
 def _Levels(levels):
     return [f"  mesh {number}: {level['dofs']} unknowns, {level['points']} contact points, {level['iterations']} iterations, "
             f"{level['solves']} linear solves, {level['seconds']:.2f} s ({level['factorisation']:.2f} s factorising)"
+            f"{'' if level['converged'] else ', not converged'}"
             for number, level in enumerate(levels, start=1)]
 
 

@@ -11,7 +11,8 @@ import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, ET, L2, VOL, ElementId, FacetFESpace, IntegrationRule, Mesh
 
-from .facets import REFERENCE_VERTICES, ReferenceNormal, VertexFunctions
+from .facets import REFERENCE_VERTICES
+from .quadrature import ReferenceNormal, VertexFunctions
 
 # Vertices of the facets of an element type, in any order.
 FACETS = {

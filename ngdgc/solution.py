@@ -59,6 +59,7 @@ class Level:
     """What one mesh of a nested iteration took: its size, iterations, applications of an inverse, and seconds.
 
     factorisation : seconds of it that factorised;  seconds : in all, with the matrix where that was not there before
+    If it has not converged the next mesh started from rest.
     """
 
     elements: int
@@ -68,6 +69,7 @@ class Level:
     solves: int
     factorisation: float
     seconds: float
+    converged: bool = True
 
 
 class ContactSolution:

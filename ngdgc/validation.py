@@ -1,13 +1,15 @@
 """A problem held against a mesh: every mistake in regions and data is named before anything is solved."""
 
 import numpy as np
-from ngsolve import Mesh
+from ngsolve import CF, L2, GridFunction, Mesh
 
 from .coefficients import ValuesAt, VectorsAt
 from .exceptions import ProblemError
-from .facets import BoundaryQuadrature, RigidMotionsAt, VolumePoints
+from .facets import RigidMotions, RigidMotionsAt, VolumePoints
+from .quadrature import BoundaryQuadrature
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
+DEPTHS = 10.0 ** np.arange(-6, 1)   # penetrations at which a foundation may resist, in units of the extent of the body
 
 
 def CheckMesh(problem, mesh):
@@ -76,48 +78,84 @@ def CheckRollerTractions(problem, facets):
                                "prescribed; give the tangential part alone")
 
 
-def UnresistedMotion(problem, facets):
-    """What dirichlet and roller leave free, None or words for it; raises ProblemError if no foundation resists it either.
+def Supports(problem, facets, contact):
+    """How much dirichlet and roller resist rigid motions, matrices (parts, modes, modes); ProblemError for a body that floats.
 
     A motion is resisted where the displacement it causes is prescribed, on all components or on the normal one; a
-    foundation can resist normal motion, and tangential motion if it has friction.
+    foundation resists normal motion where its pressure at some depth is positive, and tangential motion where friction is.
     """
-    gram = {"held": 0, "touched": 0}
-    motions = None
+    parts, modes = facets.component.max() + 1, len(RigidMotionsAt(np.zeros((1, facets.mesh.dim))))
+    held, touched = np.zeros((2, parts, modes, modes))
     for kind, region in problem.Regions():
-        if kind == "traction":
-            continue
-        quadrature = BoundaryQuadrature.On(facets, region, CHECK_ORDER)
-        frictionless = kind == "foundation" and next(
-            foundation.friction is None for foundation in problem.foundation if foundation.boundary == region)
-        motions = _CentredMotions(facets, quadrature)
-        if kind == "roller" or frictionless:
-            motions = np.einsum("cmnd,nd->cmn", motions, quadrature.normals)[..., None]
-        block = np.einsum("camd,cbmd,m->cab", motions, motions, quadrature.weights)
-        gram["touched" if kind == "foundation" else "held"] += block
-    for part, (held, touched) in enumerate(zip(np.broadcast_to(gram["held"], np.shape(gram["touched"])), gram["touched"])):
-        size = np.trace(held + touched)
+        if kind in ("dirichlet", "roller"):
+            quadrature = BoundaryQuadrature.On(facets, region, CHECK_ORDER)
+            motions = _CentredMotions(facets, quadrature.coordinates, quadrature.elements)
+            if kind == "roller":
+                motions = np.einsum("cmnd,nd->cmn", motions, quadrature.normals)[..., None]
+            held += np.einsum("camd,cbmd,m->cab", motions, motions, quadrature.weights)
+    motions = _CentredMotions(facets, contact.coordinates, contact.inside["nr"])
+    across = np.einsum("cmnd,nd->cmn", motions, contact.normals)[..., None]
+    along = motions - across * contact.normals
+    for resisted, resists in zip((across, along), _Resistance(facets, contact)):
+        touched += np.einsum("camd,cbmd,m->cab", resisted, resisted, contact.weights * resists)
+    for part, gram in enumerate(held + touched):
         # The modes are scaled to the body, so zero means zero to round-off.
-        free = _Null(held + touched, 1e-10 * size)
+        free = _Null(gram)
         if len(free):
             raise ProblemError(f"the body floats: nothing resists {_Words(free, facets, part)}, neither dirichlet nor roller "
-                               "nor a foundation; hold it with dirichlet or roller")
-        free = _Null(held, 1e-10 * size)
+                               "nor a foundation with a stiffness; hold it with dirichlet or roller")
+    return held
+
+
+def _Resistance(facets, contact):
+    """(pressure, friction): True where the law gives one at some depth up to the size of the body, over contact points."""
+    pressed, rubbed = np.zeros((2, len(contact.weights)), dtype=bool)
+    for _, here, compliance, friction in contact.parts:
+        for depth in _Centres(facets)[1] * DEPTHS:
+            r = np.full(here.stop - here.start, depth)
+            with np.errstate(all="ignore"):     # a law may end at some penetration
+                pressure = compliance.Pressure(r)
+                pressed[here] |= pressure > 0
+                if friction is not None:
+                    rubbed[here] |= friction.Bound(r, pressure) > 0
+    return pressed, rubbed
+
+
+def FreeMotion(facets, supports):
+    """Words for the rigid motions that supports (parts, modes, modes) leave free, or None."""
+    for part, gram in enumerate(supports):
+        free = _Null(gram)
         if len(free):
             return _Words(free, facets, part)
     return None
 
 
-def _Null(gram, tolerance):
+def Springs(facets, space, matrix):
+    """How much a matrix (scipy) on a space resists rigid motions, matrices (parts, modes, modes) of no unit."""
+    dim, (centres, size) = facets.mesh.dim, _Centres(facets)
+    here, function, grams = GridFunction(L2(facets.mesh, order=0)), GridFunction(space), []
+    for part, centre in enumerate(centres):
+        here.vec.FV().NumPy()[:] = facets.component == part
+        modes = []
+        for mode, shift in zip(RigidMotions(dim), RigidMotionsAt(centre[None])):
+            turning = len(modes) >= dim
+            function.Set(here * ((mode - CF(tuple(shift[0]))) / size if turning else mode))
+            modes.append(function.vec.FV().NumPy().copy())
+        gram = np.array(modes) @ (matrix @ np.array(modes).T)
+        grams.append((gram + gram.T) / (2 * np.abs(np.trace(gram)) or 1))
+    return np.array(grams)
+
+
+def _Null(gram):
     values, vectors = np.linalg.eigh(gram)
-    return vectors[:, values <= tolerance].T
+    return vectors[:, values <= 1e-10 * np.trace(gram)].T
 
 
-def _CentredMotions(facets, quadrature):
-    """Rigid motions of every connected part at the points, (parts, modes, n, d), scaled to the size of the body."""
+def _CentredMotions(facets, coordinates, elements):
+    """Rigid motions of every connected part at points in elements, (parts, modes, n, d), scaled to the size of the body."""
     centres, size = _Centres(facets)
-    parts = facets.component[quadrature.elements]
-    motions = RigidMotionsAt((quadrature.coordinates - centres[parts]) / size)
+    parts = facets.component[elements]
+    motions = RigidMotionsAt((coordinates - centres[parts]) / size)
     return np.array([motions * (parts == part)[None, :, None] for part in range(len(centres))])
 
 

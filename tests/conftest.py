@@ -6,6 +6,7 @@ from ngsolve import CF, GridFunction, y
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, TrescaFriction)
+from ngdgc.cli import Main
 
 METHODS = [InteriorPenalty(), InteriorPenalty(penalty=30), Conforming()]
 
@@ -45,3 +46,17 @@ def Residual(disc, vector, traction):
     residual = disc.Multiply(vector) - disc.load + disc.contact.Load(traction)
     free = np.array(list(disc.space.FreeDofs()))
     return np.abs(residual[free]).max() / np.abs(disc.load).max()
+
+
+def SameZones(zones, points, exact):
+    """Are zones (n,) at points (n, d) those of an exact solution?  At the end of a zone both sides are right."""
+    step, box = 1e-3 * np.eye(points.shape[1])[0], (points.min(axis=0), points.max(axis=0))
+    return bool(np.all(np.any([zones == exact.zones(np.clip(points + shift, *box)) for shift in (-step, step)], axis=0)))
+
+
+def ExitCode(arguments):
+    """The exit code of the command `ngdgc` with these arguments, a string, also where its parser ends the program."""
+    try:
+        return Main(arguments.split())
+    except SystemExit as stop:
+        return stop.code

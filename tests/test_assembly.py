@@ -11,7 +11,8 @@ from ngsolve import VOL, LinearForm, Mesh, ds
 from test_forms import GRADED, Distorted, Ring
 
 from ngdgc import LDG, BassiEtAl, Discretization, HookeMaterial, InteriorPenalty
-from ngdgc.facets import BoundaryQuadrature, Coordinates, Csr, Facets
+from ngdgc.facets import Coordinates, Csr, Facets
+from ngdgc.quadrature import BoundaryQuadrature
 from ngdgc.lifting import WeakFacets
 from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh
 from ngdgc.operators import FacetOperators

@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import SameZones
 from dense import DenseNewton
 
 from ngdgc import LDG, Conforming, CoulombFriction, Discretization, InteriorPenalty, UzawaSolver
 from ngdgc.cases import breaking_beam, greco_plate, rigid_limit
 from ngdgc.errors import EnergyError, L2Error, Rates
 from ngdgc.exact import CubicCompliance, WinklerColumn
-from ngdgc.graph import STICK, Distance
+from ngdgc.graph import Distance
 from ngdgc.meshes import RectangleMesh
 from ngdgc.traces import RigidLimit, ThreeZones
 
@@ -31,17 +32,9 @@ def test_column_under_pressure(stiffness, exponent, some):
     size = 1 + (20 / stiffness) ** (1 / exponent)
     # Round-off of A, 1e-16 times a penalty of 1e5, against the stiffness that holds the column.
     assert L2Error(solution, exact.displacement) < 1e-10 * size * max(1, 1e3 / stiffness)
-    # Not each pressure: in H1 points outnumber traces, and on a rigid foundation t has a part that nothing determines.
-    assert solution.normalforce == pytest.approx(20, rel=1e-9)
+    assert solution.pressure == pytest.approx(20, rel=1e-9)
     deeper = WinklerColumn(stiffness=stiffness, exponent=exponent, load="pressure", gap=0.11)
     assert L2Error(solution, deeper.displacement) == pytest.approx(0.01, rel=1e-3)
-
-
-def SameZones(solution, exact):
-    """At all points of a DG solution, and where t is determined in H1: not where it sticks, points outnumbering the traces."""
-    found, expected = solution.zones, exact.zones(solution.points)
-    known = slice(None) if solution.disc.method.discontinuous else expected != STICK
-    return np.array_equal(found[known], expected[known])
 
 
 @pytest.mark.parametrize("friction", [None, CoulombFriction(0.4)])
@@ -50,7 +43,8 @@ def test_cubic_solution_is_found_at_order_three(friction, some):
     solution, low = (DenseNewton(Discretization(exact.problem, some, RectangleMesh(3, upper=(2, 1)), order=order), scale=1e4)
                      for order in (3, 2))
     assert L2Error(solution, exact.displacement) < 1e-11        # of 0.1
-    assert SameZones(solution, exact)
+    pressed = solution.points[:, 0] > 0         # p_n(x = 0) = 0
+    assert SameZones(solution.zones[pressed], solution.points[pressed], exact)
     assert L2Error(low, exact.displacement) > 1e-5
 
 
@@ -58,7 +52,7 @@ def test_three_zones_are_found(some):
     exact = ThreeZones()
     solution = DenseNewton(Discretization(exact.problem, some, RectangleMesh(4), order=4), scale=1e3)
     assert L2Error(solution, exact.displacement) < 1e-13        # of 5e-3
-    assert SameZones(solution, exact)
+    assert SameZones(solution.zones, solution.points, exact)
 
 
 def test_plate_of_the_greco_group(some):
@@ -100,7 +94,7 @@ def test_beam_on_a_foundation_that_breaks(some):
 
 
 def test_rate_towards_the_rigid_foundation(some):
-    stiffnesses = 10.0 ** np.arange(8, 14)
+    stiffnesses = 10.0 ** np.arange(6, 13)
 
     class Solver:
         def Solve(self, disc, callback):

@@ -1,19 +1,22 @@
 """Gamma_C: the trace matrix, loads, zones, several foundations, and data that vary in space."""
 
+from math import factorial
+
 import numpy as np
 import pytest
-from conftest import Example
+from conftest import METHODS, Example
 from netgen.csg import CSGeometry, Pnt, Sphere
-from netgen.occ import OCCGeometry, WorkPlane
-from ngsolve import VOL, CF, ElementId, GridFunction, Integrate, LinearForm, Mesh, ds, exp, sin, x, y
+from netgen.occ import Compound, OCCGeometry, WorkPlane, Y
+from ngsolve import QUAD, SEGM, TRIG, VOL, CF, ElementId, GridFunction, Integrate, LinearForm, Mesh, ds, exp, sin, x, y
 from ngsolve.meshes import MakeStructured3DMesh
 from test_forms import Ring
 
-from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, TrescaFriction, UzawaSolver)
+from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, TrescaFriction, UzawaSolver, discretization)
 from ngdgc.graph import SEPARATION, SLIP, STICK, Distance
-from ngdgc.facets import BoundaryQuadrature, Coordinates, Facets
-from ngdgc.meshes import RectangleMesh
+from ngdgc.facets import Coordinates, Facets
+from ngdgc.quadrature import BoundaryQuadrature, NodalRules
+from ngdgc.meshes import RectangleMesh, UnitMesh
 
 
 def Ball():
@@ -118,3 +121,87 @@ def test_friction_opposes_the_slip():
     work = np.einsum("nd,nd->n", solution.friction, solution.slip)[slipping]
     size = (np.linalg.norm(solution.friction, axis=1) * np.linalg.norm(solution.slip, axis=1))[slipping]
     assert np.any(slipping) and work == pytest.approx(-size, rel=1e-6)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3, 4])
+def test_nodal_rules_have_the_degree_they_say(order):
+    """On edges and squares 2 k - 1, on triangles 1 and then 2 k - 2, with positive weights; one degree more is not exact."""
+    rules = NodalRules(order)
+
+    def Error(et, a, b):
+        exact = factorial(a) * factorial(b) / factorial(a + b + 2) if et == TRIG else 1 / ((a + 1) * (b + 1))
+        return abs(sum(w * p[0] ** a * p[1] ** b for p, w in zip(rules[et].points, rules[et].weights)) - exact)
+
+    for et in (SEGM, QUAD):
+        assert max(Error(et, a, b if et == QUAD else 0) for a in range(2 * order) for b in range(2 * order)) < 1e-15
+        assert Error(et, 2 * order, 0) > 1e-6
+    degree = max(1, 2 * order - 2)
+    assert max(Error(TRIG, a, degree - a) for a in range(degree + 1)) < 1e-15 < 1e-6 < Error(TRIG, degree + 1, 0)
+    assert min(min(rule.weights) for rule in rules.values()) > 0
+
+
+def Body(mesh, region="bottom", order=1, method=METHODS[2], **data):
+    foundation = Foundation(region, NormalCompliance(1), friction=TrescaFriction(1))
+    return Discretization(ContactProblem(HookeMaterial(E=1, nu=0.3), foundation, **data), method, mesh, order=order)
+
+
+@pytest.mark.parametrize("cells, order", [("triangle", 1), ("triangle", 2), ("quad", 3), ("tet", 1), ("tet", 2), ("hex", 1),
+                                          ("hex", 2), ("prism", 2)])
+def test_contact_points_of_conforming_elements_are_nodes(cells, order):
+    """Values at the points are independent, and every trace is determined by them but for P_2 on triangles, a value per edge.
+
+    Points of discontinuous elements are never shared.
+    """
+    contact = Body(UnitMesh(3, cells), order=order).contact
+    rank = np.linalg.matrix_rank(contact.trace.toarray())
+    assert rank == contact.normals.size == len(np.unique(contact.coordinates.round(9), axis=0)) * contact.dim
+    traces = (3 * order + 1) ** (contact.dim - 1)
+    assert rank == contact.dim * (3 * 3 + 2 * 3 * 4 if (cells, order) in (("tet", 2), ("prism", 2)) else traces)
+    assert contact.weights.sum() == pytest.approx(1)
+    assert contact.measures == pytest.approx({"tet": 1 / 18, "prism": 1 / 18, "hex": 1 / 9}.get(cells, 1 / 3))
+    other = Body(UnitMesh(3, cells), order=order, method=InteriorPenalty()).contact
+    assert np.array_equal(other.members, np.arange(len(other.weights))) and len(other.facets) == len(other.weights)
+
+
+def Least(disc):
+    """The smallest eigenvalue of S but for nodes that are held, in L2(Gamma_C)."""
+    contact = disc.contact
+    root = np.repeat(np.sqrt(contact.weights), contact.dim)
+    units = np.eye(contact.normals.size).reshape(-1, *contact.normals.shape)
+    rows = [contact.Displacement(disc.Response(unit)).ravel() for unit in units]
+    values = np.linalg.eigvalsh(np.array(rows) * root / root[:, None])
+    return values[values > 1e-10 * values[-1]][0]
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_compliance_of_conforming_elements_has_no_small_eigenvalues(order, monkeypatch):
+    """The smallest one falls like h, and with Gauss' k points like h^3: tractions of alternating sign load no node."""
+    def Rate():
+        coarse, fine = (Least(Body(RectangleMesh(n), order=order, dirichlet={"right": CF((0, 0))})) for n in (8, 16))
+        return np.log2(coarse / fine)
+
+    assert Rate() == pytest.approx(1, abs=0.05)
+    monkeypatch.setattr(discretization, "ContactRules", lambda method, dim, order: 2 * order - 2)
+    assert Rate() == pytest.approx(3, abs=0.1)
+
+
+def test_shared_points_at_corners_slits_and_ends_of_foundations():
+    """A corner, the lips of a slit and another foundation each keep a point of their own; a polygon has one per vertex."""
+    corner = Body(RectangleMesh(3), "bottom|left").contact
+    assert len(corner.weights) == 8 and np.sum(np.all(corner.coordinates == 0, axis=1)) == 2
+    assert {tuple(normal) for normal in corner.normals.round(9).tolist()} == {(0, -1), (-1, 0)}
+    law = NormalCompliance(1)
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.3), [Foundation("bottom", law), Foundation("left", law)])
+    two = Discretization(problem, Conforming(), RectangleMesh(3)).contact
+    assert [here for _, here, *_ in two.parts] == [slice(0, 4), slice(4, 8)]
+    halves = [WorkPlane().MoveTo(s, 0).Rectangle(1, 1).Face() for s in (0, 1)]
+    for half in halves:
+        half.edges.Min(Y).name = "bottom"
+    slit = Body(Mesh(OCCGeometry(Compound(halves), dim=2).GenerateMesh(maxh=0.5))).contact
+    assert np.sum(np.all(slit.coordinates == (1, 0), axis=1)) == 2
+    ring = Body(Ring(1, 0.3), "inner").contact
+    inside = ring.weights > 0.2         # all vertices of the arc but its ends
+    assert len(ring.weights) == len(np.unique(ring.facets)) + 1 and np.sum(inside) == len(ring.weights) - 2
+    # The mean of the normals of two chords of nearly one length is that of the circle.
+    radial = ring.coordinates / np.linalg.norm(ring.coordinates, axis=1)[:, None]
+    assert ring.normals[inside] == pytest.approx(-radial[inside], abs=1e-3) and np.abs(ring.normals + radial).max() > 0.1

@@ -14,7 +14,8 @@ from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, 
                    Foundation, HookeMaterial, InteriorPenalty, Lifting, NormalCompliance, UzawaSolver)
 from ngdgc.elasticity import Strain
 from ngdgc.exact import BodyForce, Traction
-from ngdgc.facets import BoundaryQuadrature, Csr
+from ngdgc.facets import Csr
+from ngdgc.quadrature import BoundaryQuadrature
 from ngdgc.meshes import RectangleMesh
 from ngdgc.penalty import MARGIN
 from ngdgc.resultants import RigidBasis

@@ -13,8 +13,8 @@ from ngdgc import (BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discr
                    SemismoothNewtonSolver, SlipWeakeningFriction, SolveInterrupted, TrescaFriction, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.solvers import newton
-from ngdgc.solvers.newton import NewtonRun
+from ngdgc.solvers import nested, newton
+from ngdgc.solvers.newtonrun import NewtonRun
 
 EXAMPLES = {"4.1": (example_4_1, 2000), "4.2": (example_4_2, 2500)}
 NEWTON = SemismoothNewtonSolver()
@@ -211,6 +211,25 @@ def test_a_start_near_the_solution_saves_steps_and_a_bad_one_does_no_harm():
     assert Difference(solution, far) < 1e-7 and len(far.history) > 2
 
 
+def test_a_coarse_mesh_that_fails_is_listed(monkeypatch):
+    """The next one starts from rest, and the report says so."""
+    disc, solve, starts = Stiff("4.2", 1.0, CoulombFriction(0.3), 32), SemismoothNewtonSolver.Solve, []
+
+    def Solve(solver, coarse, *, start=None, callback=None):
+        solution = solve(solver, coarse, start=start, callback=callback)
+        starts.append(start)
+        if len(starts) == 2:
+            raise NotConvergedError("as if", solution)
+        return solution
+
+    assert [level.converged for level in NestedNewtonSolver().Solve(disc).levels] == [True] * 3
+    monkeypatch.setattr(SemismoothNewtonSolver, "Solve", Solve)
+    solution = NestedNewtonSolver().Solve(disc)
+    assert [level.converged for level in solution.levels] == [True, False, True] and solution.converged
+    assert solution.levels[1].iterations > 0 and starts[1] is not None and starts[2] is None
+    assert solution.Report().count("not converged") == 1
+
+
 @pytest.mark.parametrize("call, culprit", [
     (lambda disc: NEWTON.Solve(disc.problem), "give Discretization"),
     (lambda disc: NestedNewtonSolver().Solve(disc.problem), "give Discretization"),
@@ -220,6 +239,7 @@ def test_a_start_near_the_solution_saves_steps_and_a_bad_one_does_no_harm():
     (lambda disc: SemismoothNewtonSolver(maxiter=True), "maxiter is True"),
     (lambda disc: NestedNewtonSolver(tol=2), "tol is 2"),
     (lambda disc: NestedNewtonSolver(coarser=disc.mesh), "coarser is.*sequence of ngsolve.Mesh"),
+    (lambda disc: NestedNewtonSolver(coarser=[BoxMesh(1)]).Solve(disc), "coarser: the mesh has dimension 3"),
     (lambda disc: NestedNewtonSolver(coarser=[4, 8]), "coarser is.*sequence of ngsolve.Mesh")])
 def test_bad_arguments_are_refused_by_name(call, culprit):
     with pytest.raises(ProblemError, match=culprit):

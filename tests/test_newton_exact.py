@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import EIGHT
+from conftest import EIGHT, SameZones
 
 from ngdgc import (LDG, Conforming, CoulombFriction, Discretization, InteriorPenalty, NestedNewtonSolver, NormalCompliance,
                    SemismoothNewtonSolver)
@@ -47,20 +47,13 @@ def Halved(problem):
     return replace(problem, foundation=replace(problem.foundation[0], friction=half))
 
 
-def SameZones(solution, exact):
-    """At all points of a DG solution; where it sticks in H1, points outnumbering the traces, the traction is not unique."""
-    found, expected = solution.zones, exact.zones(solution.points)
-    known = slice(None) if solution.disc.method.discontinuous else expected != STICK
-    return np.array_equal(found[known], expected[known])
-
-
 @pytest.mark.parametrize("stiffness, coulomb", [(100.0, None), (1e8, 0.2)])
 @pytest.mark.parametrize("zone", ["slip", "stick", "open"])
 def test_affine_patches(zone, stiffness, coulomb, every):
     """B0 to round-off, on a soft and on a nearly rigid foundation; halving the friction, or the gap, is another solution."""
     exact = AffinePatch(zone, stiffness=stiffness, coulomb=coulomb)
     solution = Solve(exact.problem, every, RectangleMesh(3))
-    assert RelativeError(solution, exact.displacement) < 1e-10 and SameZones(solution, exact)
+    assert RelativeError(solution, exact.displacement) < 1e-10 and SameZones(solution.zones, solution.points, exact)
     closed = replace(exact.problem, foundation=replace(exact.problem.foundation[0], gap=0.01))
     wrong = closed if zone == "open" else Halved(Halved(exact.problem))
     assert RelativeError(Solve(wrong, every, RectangleMesh(3)), exact.displacement) > 1e-6
@@ -71,7 +64,7 @@ def test_affine_patches(zone, stiffness, coulomb, every):
 def test_affine_patches_in_space(zone, cells, some):
     exact = AffinePatch(zone, dim=3)
     solution = Solve(exact.problem, some, BoxMesh(2, cells=cells))
-    assert RelativeError(solution, exact.displacement) < 1e-10 and SameZones(solution, exact)
+    assert RelativeError(solution, exact.displacement) < 1e-10 and SameZones(solution.zones, solution.points, exact)
     if zone != "open":
         half = Solve(Halved(Halved(exact.problem)), some, BoxMesh(2, cells=cells))
         assert RelativeError(half, exact.displacement) > 1e-6
@@ -95,7 +88,7 @@ def test_three_zones_on_an_aligned_mesh(every):
     """B3 at order 4: round-off, and the zone of every point; with half the friction nothing sticks."""
     exact = ThreeZones()
     solution = Solve(exact.problem, every, RectangleMesh(4), order=4)
-    assert RelativeError(solution, exact.displacement) < 1e-9 and SameZones(solution, exact)
+    assert RelativeError(solution, exact.displacement) < 1e-9 and SameZones(solution.zones, solution.points, exact)
     half = Solve(Halved(exact.problem), every, RectangleMesh(4), order=4)
     assert half.ZoneLengths()["stick"] < 0.13 < 0.24 < solution.ZoneLengths()["stick"]
 
@@ -115,13 +108,13 @@ def Ends(solution):
 def test_ends_of_the_zones_on_other_meshes(some):
     """B3 with ends inside of facets: |a_h - a| and |b_h - b| fall with order 2 to 3.5 to a hundredth of h.
 
-    The rate is over two refinements: f jumps at x = a, and what the quadrature makes of it depends on where in its facet
-    that is.
+    The rate is over two refinements from n = 16: f jumps at x = a, and what the quadrature makes of it depends on where in its
+    facet that is.
     Read off the zones of the points b is met to a facet and a to three, the friction in reserve being 8 (a - x)^2 only.
     """
     exact = ThreeZones(ends=ENDS, reserve=8.0)
     errors = []
-    for n in (8, 16, 32):
+    for n in (16, 32, 64):
         solution = Solve(exact.problem, some, RectangleMesh(n), order=2, solver=SOLVERS[1])
         errors.append(np.abs(np.subtract(Ends(solution), ENDS)))
         lengths = solution.ZoneLengths()
@@ -139,7 +132,9 @@ def test_cubic_solution(friction, every):
     """B5, for any friction; order 2 is too small, and a foundation softer by a per cent is another problem."""
     exact = CubicCompliance(friction=friction)
     solution = Solve(exact.problem, every, RectangleMesh(3, upper=(2, 1)), order=3)
-    assert RelativeError(solution, exact.displacement) < 1e-9 and SameZones(solution, exact)
+    pressed = solution.points[:, 0] > 0         # p_n(x = 0) = 0
+    assert RelativeError(solution, exact.displacement) < 1e-9
+    assert SameZones(solution.zones[pressed], solution.points[pressed], exact)
     law = exact.problem.foundation[0]
     soft = replace(law, compliance=NormalCompliance(0.99 * law.compliance.stiffness))
     for problem, order in ((exact.problem, 2), (replace(exact.problem, foundation=soft), 3)):

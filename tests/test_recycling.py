@@ -9,14 +9,17 @@ N, DIM = 12, 2
 
 
 class Dense:
-    """S as a matrix (n d, n d) and a count of its products."""
+    """S_D as a matrix (n d, n d), a diagonal D, and a count of its products."""
 
     def __init__(self, matrix):
-        self.matrix, self.count = matrix, 0
+        self.matrix, self.count, self.stiffness = matrix, 0, np.zeros(len(matrix))
 
     def Response(self, s):
         self.count += 1
         return (self.matrix @ s.ravel()).reshape(s.shape)
+
+    def Restoring(self, u):
+        return self.stiffness.reshape(u.shape) * u
 
 
 def Compliance(seed=0, rank=None):
@@ -100,9 +103,28 @@ def test_the_same_equation_again_costs_nothing(weights):
     recycled.Solve(Equation(blocks)[0], b, tol=1e-8, maxiter=100)
     assert dense.count == before
     known = Recycled(Dense(S), weights)
-    known.Response(np.linalg.solve(Matrix(S, blocks), b.ravel()).reshape(b.shape))
+    solution = np.linalg.solve(Matrix(S, blocks), b.ravel()).reshape(b.shape)
+    known.Remember(solution, known.compliance.Response(solution))
     known.Solve(Equation(blocks)[0], b, tol=1e-10, maxiter=100)
     assert known.compliance.count == 1
+
+
+def test_products_serve_matrices_with_another_stiffness(weights):
+    """(S^-1 + D)^-1 for two D: all products with one make those with the other; taken for the same D they do not."""
+    S, blocks, b = Compliance(), Blocks(1), np.random.default_rng(2).standard_normal((N, DIM))
+    first, other = Dense(S), Dense(S)
+    other.stiffness = np.random.default_rng(5).uniform(0, 20, N * DIM)
+    other.matrix = np.linalg.inv(np.linalg.inv(S) + np.diag(other.stiffness))
+    for told, fresh in ((other.stiffness, 0), (0 * other.stiffness, 1)):
+        recycled = Recycled(first, weights)
+        for unit in np.eye(N * DIM):
+            recycled.Remember(unit.reshape(N, DIM), first.Response(unit.reshape(N, DIM)))
+        recycled.compliance, truth, other.count = other, other.stiffness, 0
+        other.stiffness = told
+        s, y = recycled.Solve(Equation(blocks)[0], b, tol=1e-9, maxiter=100)
+        other.stiffness = truth
+        wrong = np.abs(Matrix(other.matrix, blocks) @ s.ravel() - b.ravel()).max()
+        assert other.count == 0 and (wrong > 0.1 if fresh else wrong < 1e-7)
 
 
 @pytest.mark.parametrize("scale", [1e-150, 1e-12, 1e12, 1e150])
@@ -159,7 +181,7 @@ def test_nothing_to_solve(weights):
     """A zero right-hand side and a zero product ask for nothing and divide by nothing."""
     dense = Dense(Compliance())
     recycled = Recycled(dense, weights)
-    recycled.Response(np.zeros((N, DIM)))
-    assert not recycled.arguments
+    recycled.Remember(np.zeros((N, DIM)), dense.Response(np.zeros((N, DIM))))
+    assert not recycled.images
     s, y = recycled.Solve(Equation(Blocks(1))[0], np.zeros((N, DIM)), tol=1e-8, maxiter=10)
     assert not np.any(s) and not np.any(y) and dense.count == 1

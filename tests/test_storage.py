@@ -23,9 +23,10 @@ def test_saved_and_loaded_solutions_agree(problem, mesh, method, tmp_path):
     assert np.array_equal(loaded.vector, solution.vector) and np.array_equal(loaded.traction, solution.traction)
     assert loaded.history == solution.history and loaded.converged and loaded.solver == solution.solver
     assert loaded.disc.method == method and loaded.disc.mesh.GetCurveOrder() == mesh.GetCurveOrder()
-    # Netgen's files keep curved geometry to about ten digits, straight meshes exactly.
+    # Netgen's files keep curved geometry to about ten digits, its normals at the ends of facets, which are points of H1, to
+    # eight, straight meshes exactly.
     assert loaded.energy == pytest.approx(solution.energy, rel=1e-8)
-    assert loaded.pressure == pytest.approx(solution.pressure, rel=1e-8)
+    assert loaded.pressure == pytest.approx(solution.pressure, rel=1e-8 if method.discontinuous else 3e-8)
     assert loaded.Report().splitlines()[:8] == solution.Report().splitlines()[:8]
     assert solution.normalforce > 0.1
 

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from conftest import ExitCode
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngdgc import LDG, BassiEtAl, Conforming, InteriorPenalty, ProblemError, convergence, locking
@@ -162,11 +163,7 @@ def test_locking_command_prints_what_the_study_finds(tmp_path, capsys):
     ("table3 --method dg", "no method 'dg'")])
 def test_a_mistake_is_one_line_and_exit_code_2(arguments, culprit, tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    try:
-        code = Main(arguments.split())
-    except SystemExit as stop:
-        code = stop.code
-    message = capsys.readouterr().err.splitlines()
+    code, message = ExitCode(arguments), capsys.readouterr().err.splitlines()
     assert code == 2 and culprit in message[-1] and len([line for line in message if line.startswith("ngdgc")]) == 1
 
 

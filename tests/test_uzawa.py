@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from conftest import METHODS, Example
-from ngsolve import CF, SEGM, GridFunction, IfPos, IntegrationRule, LinearForm, ds, specialcf, x
+from ngsolve import CF, H1, SEGM, GridFunction, IfPos, IntegrationRule, LinearForm, ds, specialcf, x
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, EstimateContraction, Foundation,
                    HookeMaterial, InteriorPenalty, NormalCompliance, NotConvergedError, ProblemError, SolveInterrupted,
@@ -79,20 +79,20 @@ def test_local_stiffness_of_other_exponents():
 def test_iterates_are_those_of_the_paper(method):
     """(4.3)-(4.8) written again in NGSolve symbolics, multiplier at the points by hand, for five steps."""
     rho, kn, kt, gap = 0.02, 450.0, 40.0, 0.05      # lambda stays inside the ball for some steps
-    # Of orders with two Gauss points on each facet.
-    disc = Discretization(Example(kn, friction=kt), method, RectangleMesh(4, lower=(0, 0.05), upper=(1, 1.05)),
-                          order=1 if method.discontinuous else 2)
+    disc = Discretization(Example(kn, friction=kt), method, RectangleMesh(4, lower=(0, 0.05), upper=(1, 1.05)), order=1)
     iterates = []
     with pytest.raises(NotConvergedError):
         UzawaSolver(rho=rho, tol=1e-14, maxiter=5).Solve(disc, callback=iterates.append)
     gfu, v, n = GridFunction(disc.space), disc.space.TestFunction(), specialcf.normal(2)
-    bottom = ds(skeleton=True, definedon=disc.mesh.Boundaries("bottom"), intrules={SEGM: IntegrationRule(SEGM, 2)})
+    rule = IntegrationRule(SEGM, 2) if method.discontinuous else IntegrationRule([(0,), (1,)], [0.5, 0.5])
+    bottom = ds(skeleton=True, definedon=disc.mesh.Boundaries("bottom"), intrules={SEGM: rule})
+    Interpolate = _FacetwiseLinear if method.discontinuous else _Nodal
     gfu.vec.FV().NumPy()[:] = free = disc.FreeSolution()
     multiplier = np.zeros(len(disc.contact.weights))
-    # The multiplier as a function of x, linear between the two Gauss points of each facet, which is exact there.
+    # The multiplier as a function that has its values at the points.
     for _ in range(5):
         multiplier = np.clip(multiplier + rho * kt * np.asarray(gfu[0](disc.contact.inside)).ravel(), -1, 1)
-        interpolated = _FacetwiseLinear(disc, multiplier)
+        interpolated = Interpolate(disc, multiplier)
         normal = LinearForm(kn * IfPos(gfu * n - gap, gfu * n - gap, 0) * (v * n) * bottom).Assemble()
         tangential = LinearForm(kt * interpolated * v[0] * bottom).Assemble()
         gfu.vec.FV().NumPy()[:] = free - disc.SolveLinear(normal.vec.FV().NumPy() + tangential.vec.FV().NumPy())
@@ -101,7 +101,17 @@ def test_iterates_are_those_of_the_paper(method):
     assert ours != pytest.approx(np.asarray(disc.contact.Displacement(_Last(disc, 0.9 * rho))), abs=1e-6)
 
 
+def _Nodal(disc, values):
+    function = GridFunction(H1(disc.mesh, order=1))
+    number = {tuple(place): i for i, place in enumerate(disc.contact.coordinates)}
+    for vertex in disc.mesh.vertices:
+        if vertex.point in number:
+            function.vec[vertex.nr] = values[number[vertex.point]]
+    return function
+
+
 def _FacetwiseLinear(disc, values):
+    """Linear between the two Gauss points of each facet."""
     order = np.argsort(disc.contact.coordinates[:, 0])
     s, values = disc.contact.coordinates[order, 0], values[order]
     pieces = 0
@@ -119,10 +129,10 @@ def _Last(disc, rho):
 
 
 def test_automatic_rho_equals_no_slower_than_the_paper_could_choose():
-    """Example 4.1: about 64 iterations with rho = 1 and 34 with rho = 300."""
-    disc = Discretization(example_4_1.Problem("strain"), METHODS[2], example_4_1.Mesh(16), order=2)
+    """Example 4.1: about 80 iterations with rho = 1 and 34 with rho = 300."""
+    disc = Discretization(example_4_1.Problem("strain"), METHODS[1], example_4_1.Mesh(16), order=2)
     counts = {rho: len(UzawaSolver(rho=rho, tol=1e-9).Solve(disc).history) for rho in (1.0, 300.0, "auto")}
-    assert counts["auto"] <= min(counts.values()) + 2 and counts[1.0] > 1.5 * counts["auto"]
+    assert counts["auto"] <= min(counts.values()) + 2 and counts[1.0] > 2 * counts["auto"]
 
 
 @pytest.mark.parametrize("zone", ["slip", "stick"])
@@ -149,7 +159,7 @@ def test_too_large_rho_is_named_with_a_remedy_that_works():
 
 
 @pytest.mark.parametrize("mu, stiffness, push, method, order, n", [
-    (0.3, 1000, 1e-3, Conforming(), 1, 8), (0.3, 500, 0, InteriorPenalty(), 1, 4), (0.1, 500, 0, Conforming(), 2, 4),
+    (0.3, 1000, 1e-3, Conforming(), 1, 8), (0.3, 500, 0, Conforming(), 1, 8), (0.1, 500, 0, Conforming(), 2, 4),
     (0.1, 1000, 0, Conforming(), 2, 4), (0.3, 1000, 1e-3, InteriorPenalty(), 1, 8)])
 def test_a_convergent_iteration_is_not_taken_for_a_cycle(mu, stiffness, push, method, order, n):
     """Coulomb friction with points that turn from stick to slip on the way, which lifts the change for some steps."""
@@ -207,7 +217,7 @@ def test_automatic_rho_leaves_room_for_the_normal_part():
     bound = 1000.0
     disc = Discretization(Example(750.0, friction=bound), Conforming(), RectangleMesh(4), order=1)
     solution = UzawaSolver(tol=1e-8).Solve(disc)
-    assert solution.ZoneLengths()["stick"] >= 0.5
+    assert solution.ZoneLengths()["stick"] > 0.5
     unit = EstimateContraction(disc, solution.penetration, step=1.0)
     assert 0.7 < unit.normal < 1
     with pytest.raises(NotConvergedError, match="too large"):

@@ -5,11 +5,12 @@ import pytest
 from conftest import Example
 from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, IfPos, Mesh, specialcf, sqrt, x, y
+from ngsolve import CF, BilinearForm, IfPos, Mesh, dx, specialcf, sqrt, x, y
 from test_forms import Tilted
 
-from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, ContactSolution, Discretization, Foundation,
-                   HookeMaterial, InteriorPenalty, NormalCompliance, ProblemError, TrescaFriction, UzawaSolver)
+from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization,
+                   Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver,
+                   TrescaFriction, UzawaSolver)
 from ngdgc.meshes import RectangleMesh
 
 NAN = sqrt(-1 - x)
@@ -127,6 +128,51 @@ def test_held_by_the_foundation_alone_is_legitimate_but_not_for_uzawa(method):
         UzawaSolver().Solve(disc)
     held = Discretization(Example(dirichlet={"right": CF((0, 0))}), method, RectangleMesh(2), order=1)
     assert held.unresisted is None
+
+
+@pytest.mark.parametrize("compliance, friction, motion", [
+    (NormalCompliance(0), None, "translation along x"), (NormalCompliance(0), CoulombFriction(0.3), "translation along x"),
+    (NormalCompliance(0), TrescaFriction(1), "translation along y"), (NormalCompliance(CF(0)), TrescaFriction(1), "along y"),
+    (NormalCompliance(1), CoulombFriction(0), "translation along x"), (NormalCompliance(IfPos(x - 0.6, 1, 0)), None, "along x"),
+    (NormalCompliance(1), TrescaFriction(1), None), (NormalCompliance(IfPos(x - 0.6, 1, 0)), CoulombFriction(0.3), None)])
+def test_a_foundation_without_stiffness_or_friction_resists_nothing(compliance, friction, motion, method):
+    problem = Example(dirichlet=None, traction=None, foundation=Foundation("bottom", compliance, friction=friction))
+    if motion is None:
+        assert "translation along y" in Discretization(problem, method, RectangleMesh(4), order=1).unresisted
+        return
+    with pytest.raises(ProblemError, match=f"body floats: nothing resists.*{motion}"):
+        Discretization(problem, method, RectangleMesh(4), order=1)
+
+
+def test_springs_hold_a_body_that_nothing_else_holds(method):
+    """Uzawa solves it, and agrees with Newton; springs along y leave a translation along x to the foundation."""
+    def Held(springs):
+        problem = Example(50.0, dirichlet=None, traction=None, bodyforce=(0, -1))
+        disc = Discretization(problem, method, RectangleMesh(4), order=1)
+        u, v = disc.space.TnT()
+        return disc.Add(BilinearForm(springs(u, v) * dx))
+
+    disc = Held(lambda u, v: 40 * u * v)
+    assert disc.unresisted is None and disc.loose is not None
+    solution = UzawaSolver().Solve(disc)
+    assert solution.normalforce > 0 or solution.penetration.max() < 0
+    assert SemismoothNewtonSolver().Solve(disc).displacement == pytest.approx(solution.displacement, abs=1e-8)
+    with pytest.raises(ProblemError, match="only contact resists translation along x"):
+        UzawaSolver().Solve(Held(lambda u, v: 40 * u[1] * v[1]))
+
+
+def test_springs_hold_one_part_of_the_mesh():
+    """Two separate squares: the springs of one do not hold the other."""
+    geometry = SplineGeometry()
+    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"], leftdomain=1)
+    geometry.AddRectangle((3, 0), (4, 1), bcs=["bottom", "other", "other", "other"], leftdomain=2)
+    geometry.SetMaterial(1, "left")
+    problem = Example(dirichlet=None, traction=None, foundation=Foundation("bottom", SOFT, friction=TrescaFriction(1)))
+    for region, left in ((".*", None), ("left", "part 2")):
+        disc = Discretization(problem, Conforming(), Mesh(geometry.GenerateMesh(maxh=0.5)), order=1)
+        u, v = disc.space.TnT()
+        disc.Add(BilinearForm(u * v * dx(definedon=disc.mesh.Materials(region))))
+        assert disc.unresisted is None if left is None else left in disc.unresisted
 
 
 def test_part_of_the_mesh_that_floats(method):

@@ -11,6 +11,7 @@ from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, Discretization, Estim
                    TrescaFriction, UzawaSolver)
 from ngdgc.errors import EnergyError, L2Error, Rates, StrainError
 from ngdgc.exact import AffinePatch, CubicCompliance, ExactStrain, SmoothSlip, WinklerColumn
+from ngdgc.graph import SLIP
 from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh
 
 ZONE = {"slip": "slip", "stick": "stick", "open": "separation"}
@@ -61,7 +62,8 @@ def test_patch_control_halved_friction_bound_is_noticed(method):
 def test_patch_control_bound_below_the_stick_traction_makes_it_slip(method):
     exact = AffinePatch("stick")
     solution = Solve(Changed(exact.problem, friction=TrescaFriction(1.0)), method, RectangleMesh(2), 1)
-    assert solution.ZoneLengths()["slip"] == pytest.approx(1, abs=1e-12)
+    free = np.abs(solution.points[:, 0] - 0.5) < 0.499      # points of H1 at the sides are held there
+    assert np.all(solution.zones[free] == SLIP) and np.any(free)
     assert L2Error(solution, exact.displacement) > 1e-5
 
 
@@ -126,11 +128,10 @@ def test_cubic_solution_has_no_residual_at_order_three(cells, friction, method):
     assert ExactResidual(Changed(exact.problem, gap=0.01), 3) > 1e-5       # the gap is not zero
 
 
-# Stick on hexahedra only: on triangles of Gamma_C the points outnumber the traces, and Uzawa's iteration crawls.
 @pytest.mark.parametrize("zone, sides, cells", [
     *(("slip", sides, cells) for sides in ("dirichlet", "roller", "traction") for cells in ("tet", "hex", "prism")),
     *(("open", "roller", cells) for cells in ("tet", "hex", "prism")),
-    *(("stick", sides, "hex") for sides in ("dirichlet", "roller"))])
+    *(("stick", sides, cells) for sides in ("dirichlet", "roller") for cells in ("tet", "hex", "prism"))])
 def test_patch_in_three_dimensions(zone, sides, cells, method):
     """The same code with d = 3: an oblique direction in the plane z = 0."""
     exact = AffinePatch(zone, sides=sides, coulomb=0.15 if zone == "open" else None, dim=3)
@@ -142,7 +143,7 @@ def test_patch_in_three_dimensions(zone, sides, cells, method):
     if method.discontinuous:
         assert np.abs(solution.ElementImbalance()).max() < ROUNDOFF
     # A bound below the traction makes it slip, or slip with less; the open body notices when its gap closes.
-    other = Changed(exact.problem, gap=0.0) if zone == "open" else Changed(exact.problem, friction=TrescaFriction(1.0))
+    other = Changed(exact.problem, gap=0.0) if zone == "open" else Changed(exact.problem, friction=TrescaFriction(0.5))
     assert L2Error(Solve(other, method, BoxMesh(2, cells=cells), 1), exact.displacement) > 1e-5
 
 

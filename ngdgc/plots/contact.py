@@ -32,8 +32,8 @@ def ContactFigure(solution, *, slip=False):
     values = {"p": solution.pressure, "t": np.sum(solution.friction * tangent, axis=1),
               "u": np.sum(solution.slip * tangent, axis=1), "r": solution.penetration}
     noise = 1e-12 * (np.abs(solution.traction).max(initial=0) or 1)
-    for column, (foundation, here, _, _) in zip(grid.T, contact.parts):
-        pieces = list(_Along(disc, foundation.boundary, here))
+    for column, (foundation, *_) in zip(grid.T, contact.parts):
+        pieces = list(_Along(disc, foundation.boundary))
         panels = dict(zip(rows, column))
         for s, numbers, _ in pieces:
             mark = {"marker": "o", "markersize": 3} if len(s) <= 100 else {}
@@ -53,14 +53,14 @@ def ContactFigure(solution, *, slip=False):
     return figure
 
 
-def _Along(disc, region, here):
+def _Along(disc, region):
     """(s, numbers of the contact points, curve) sorted along each piece of a foundation; pieces follow each other in s."""
     contact, start = disc.contact, 0.0
     for curve in Curves(disc, region):
         s = np.full(len(contact.weights), np.nan)
         for facet in np.unique(curve.points["nr"]):
             edge = curve.points["nr"] == facet
-            mine = np.arange(here.start, here.stop)[contact.facets[here] == facet]
+            mine = contact.members[contact.facets == facet]
             chord = curve.coordinates[edge][-1] - curve.coordinates[edge][0]
             s[mine] = np.interp(contact.coordinates[mine] @ chord, curve.coordinates[edge] @ chord, curve.s[edge])
         numbers = np.argsort(s)[:np.sum(~np.isnan(s))]

@@ -22,13 +22,13 @@ def DeformedFigure(solution, *, scale=1):
     if disc.mesh.dim == 3:
         return DeformedSurface(solution, scale)
     _, axes = PlaneAxes()
-    for foundation, here, _, _ in contact.parts:
+    for foundation, *_ in contact.parts:
         for curve in Curves(disc, foundation.boundary):
-            mine = np.isin(contact.facets[here], curve.points["nr"])
-            moved = (contact.coordinates + scale * solution.displacement)[here][mine]
-            deepest = scale * solution.penetration[here][mine].max()
+            mine = np.unique(contact.members[np.isin(contact.facets, curve.points["nr"])])
+            moved = (contact.coordinates + scale * solution.displacement)[mine]
+            deepest = scale * solution.penetration[mine].max()
             thickness = max(Thickness(disc, curve), 1.3 * deepest)
-            flush = contact.normals[here][mine] @ curve.normals[[0, -1]].T > 0.8
+            flush = contact.normals[mine] @ curve.normals[[0, -1]].T > 0.8
             reach = [np.max(sign * (moved - curve.coordinates[end]) @ Left(curve.normals[end]), where=flush[:, end], initial=0)
                      for end, sign in ((0, -1), (-1, 1))]
             margin = 0.15 * thickness

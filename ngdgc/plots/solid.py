@@ -43,8 +43,8 @@ def DeformedSurface(solution, scale):
     disc = solution.disc
     corners, moved = BoundaryFunction(disc.facets, solution.gfu)
     faces = [x + scale * u for x, u in zip(corners, moved)]
-    touching = disc.contact.facets
-    zone = {number: ZONE_COLOURS[solution.zones[touching == number].max()] for number in np.unique(touching)}
+    touching, members = disc.contact.facets, disc.contact.members
+    zone = {number: ZONE_COLOURS[solution.zones[members[touching == number]].max()] for number in np.unique(touching)}
     colours = [zone.get(element.nr, "#D9E5F0") for element in disc.mesh.Elements(BND)]
     largest = max(np.linalg.norm(u, axis=1).max() for u in moved)
     state = "" if solution.converged else ", NOT CONVERGED"

@@ -30,12 +30,13 @@ def LawResidual(contact, iterate):
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
-def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WINDOW):
+def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WINDOW, rest=0.0):
     """Run an iteration to its tolerance and return the ContactSolution.
 
     `iterates` yields `Iterate`s, the first of them the start, and ends if the iteration gives up by itself.
-    window : iterations over which the progress of a fixed-point iteration is judged, more if it is not monotone.  It has
-        converged if change <= tol and residual <= tol.  None: no fixed-point iteration, residual <= tol is enough
+    window : iterations over which the progress of a fixed-point iteration is judged.  It has converged if change <= tol and
+        residual <= tol.  None: no fixed-point iteration, residual <= tol is enough
+    rest : part of all iterations so far that one that is not monotone may rest, if that is more than the window
     `Diagnose(reason)` returns (message, Contraction or None) for an iteration that has failed: "slow" at the limit of
     iterations, "stalled" when it gave up; for fixed-point iterations "cycle" when over the last window neither change nor
     residual has fallen and the path leads nowhere, "roundoff" when the tolerance is out of reach.  `Predict()` returns the
@@ -60,7 +61,7 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
                 if callback is not None:
                     callback(history[-1])
             positions = positions[-(window or 1):] + [iterate.displacement]
-            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), window)
+            reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), window, rest)
             if reason == "converged":
                 return Solution(True, True)
             if reason:
@@ -73,7 +74,7 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
         raise SolveInterrupted(Solution(False, False)) from interrupt
 
 
-def _Verdict(solver, history, positions, gap, window):
+def _Verdict(solver, history, positions, gap, window, rest):
     """None to go on, "converged", or the reason to give up.
 
     `gap` is a length by which a foundation may move the body, whatever its loads.
@@ -88,7 +89,10 @@ def _Verdict(solver, history, positions, gap, window):
     if Scale(positions[-1]) > BLOWUP * max(Scale(positions[0]), gap):
         return "cycle"
     if not _Progresses(history, window) and not _GoesSomewhere(positions[-window - 1:]):
-        return "roundoff" if max(step.change for step in history[-window:]) < ROUNDOFF else "cycle"
+        if max(step.change for step in history[-window:]) < ROUNDOFF:
+            return "roundoff"
+        if not _Progresses(history, max(window, int(rest * len(history)))):
+            return "cycle"
     return "slow" if last.number >= solver.maxiter else None
 
 

@@ -3,6 +3,7 @@
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import chain
 
 import numpy as np
 from ngsolve import Mesh
@@ -51,44 +52,42 @@ class NestedNewtonSolver:
         solver = SemismoothNewtonSolver(tol=self.tol)
         if not isinstance(disc, Discretization):
             raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
-        levels, start = [], None
-        for coarse in _Coarse(disc, self.coarser):
+        levels, start, meshes = [], None, [*self._Coarse(disc), disc]
+        while len(meshes) > 1:
+            coarse, begin = meshes.pop(0), time.perf_counter()
             try:
-                start, seconds = _Timed(solver, coarse, start)
-            except (NotConvergedError, ProblemError):
-                start = None        # it was to predict, no more: the next mesh starts from rest
-                continue
-            levels.append(_Level(start, seconds))
+                solution = solver.Solve(coarse, start=start)
+                history, start = solution.history, Transfer(solution, meshes[0].contact)
+            except (NotConvergedError, ProblemError) as error:
+                # It was to predict, no more: the next mesh starts from rest.
+                start, history = None, getattr(error, "history", ())
+            levels.append(_Level(coarse, history, time.perf_counter() - begin, start is not None))
+            coarse = solution = None    # with the factors: the next ones need the memory
         solution, seconds = self._Finest(solver, disc, start, callback)
-        solution.solver, solution.levels = repr(self), [*levels, _Level(solution, seconds)]
+        solution.solver, solution.levels = repr(self), [*levels, _Level(disc, solution.history, seconds, True)]
         return solution
+
+    def _Coarse(self, disc):
+        try:
+            return _Coarse(disc, self.coarser)
+        except ProblemError as error:
+            raise error if self.coarser is None else ProblemError(f"coarser: {error}") from error
 
     def _Finest(self, solver, disc, prediction, callback):
         """(solution, seconds) from the prediction, else from rest, else from other starts."""
-        for start in [prediction, None] if prediction else [None]:
+        begin, failure = time.perf_counter(), None
+        for start in chain([prediction, None] if prediction else [None], Starts(disc)):
             try:
-                return _Timed(solver, disc, start, callback)
-            except NotConvergedError as error:
-                failure = error
-        for start in Starts(disc):
-            try:
-                begin = time.perf_counter()
                 return solver.Solve(disc, start=start, callback=callback), time.perf_counter() - begin
-            except NotConvergedError:
-                continue
+            except NotConvergedError as error:
+                # The one from rest tells most: others start where nobody would.
+                failure = error if failure is None or start is None else failure
         raise failure
 
 
-def _Timed(solver, disc, coarse, callback=None):
-    start = time.perf_counter()
-    solution = solver.Solve(disc, start=coarse and Transfer(coarse, disc.contact), callback=callback)
-    return solution, time.perf_counter() - start
-
-
-def _Level(solution, seconds):
-    disc = solution.disc
-    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(solution.history), disc.solves,
-                 disc.factorisation, seconds)
+def _Level(disc, history, seconds, converged):
+    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(history), disc.solves, disc.factorisation,
+                 seconds, converged)
 
 
 def _Coarse(disc, meshes):

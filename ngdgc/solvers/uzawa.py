@@ -9,11 +9,13 @@ import numpy as np
 from ..coefficients import IsNumber
 from ..discretization import Discretization
 from ..exceptions import ProblemError
+from ..hypotheses import BoundDerivatives, SlipFactor
 from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
 from .driver import Drive, Iterate
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
 
-WINDOW = 30         # iterations over which accelerated and adaptive steps are judged: the residual may rest for fifteen
+WINDOW = 30         # iterations over which accelerated and adaptive steps are judged
+REST = 0.5          # of all iterations so far: adaptive steps rest up to 0.3 of them and converge, failing ones go on resting
 PREDICTION = 20     # applications of A^-1 at most for the predicted contraction factor
 
 
@@ -99,7 +101,7 @@ class UzawaSolver:
         fixed = self.acceleration is None and self.rho != "adaptive"
         if fixed:
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, Predict=run.Predict)
-        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=WINDOW)
+        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=WINDOW, rest=REST)
 
 
 class _Run:
@@ -113,7 +115,7 @@ class _Run:
     def Iterates(self):
         contact = self.contact
         free = self.disc.FreeSolution()
-        u = contact.Displacement(free)
+        self.last = u = contact.Displacement(free)
         yield Iterate(free, np.zeros_like(u), u)
         self.step = self.Step(u)
         state = self.step.Start(u)
@@ -122,7 +124,7 @@ class _Run:
             self.recent = self.recent[-1:] + [state]
             traction, memory = self.step.At(state)
             vector = free - self.disc.Response(traction)
-            u = contact.Displacement(vector)
+            self.last = u = contact.Displacement(vector)
             self.count += 1
             yield Iterate(vector, traction, u)
             image = self.step.Next(memory, u)
@@ -133,6 +135,14 @@ class _Run:
         if not self.recent or not np.any(self.recent[-1]):
             return None
         return ContractionFactor(self.disc, self.step, self.recent[-1], min(PREDICTION, self.count))
+
+    @property
+    def constant(self):
+        """True if no friction bound depends on penetration, pressure or slip at the last iterate: then there is an energy."""
+        r, slip = self.contact.Penetration(self.last), self.contact.Slip(self.last)
+        return not any(np.any(slope) for _, here, compliance, friction in self.contact.parts if friction is not None
+                       for slope in (*BoundDerivatives(friction, r[here], compliance.Pressure(r[here])),
+                                     SlipFactor(friction, slip[here])[1]))
 
     @property
     def remedies(self):
@@ -180,6 +190,9 @@ class _Explicit(_Run):
             if self.solver.rho == "auto":       # chosen at u^0, where other zones were in contact
                 return f"Uzawa cycles because its step is too large ({numbers}).  Remedy: {self.remedies}", number
             return f"Uzawa cycles because {rho} is too large ({numbers}).  Remedy: {factor:.2g} of it, or rho='auto'", number
+        if self.constant and self.solver.acceleration:
+            return (f"Uzawa's acceleration makes no progress although plain steps contract ({numbers}).  Remedy: "
+                    f"acceleration=None, or {self.remedies}"), number
         return (f"Uzawa cycles although its numbers predict convergence ({numbers}): the friction bound depends on "
                 "the penetration and is lagged.  Remedy: a smaller friction coefficient, a smaller rho, or "
                 f"{self.remedies}"), number
@@ -209,6 +222,11 @@ class _Implicit(_Run):
             remedy = "take rho='auto', " if IsNumber(self.solver.rho) and number < 1 else ""
             return (f"Uzawa with the implicit normal step converges too slowly with {rho} (rho |S| is {number:.3g}).  Remedy: "
                     f"{remedy}raise maxiter or tol, or take {self.remedies}"), None
+        fast = f"acceleration={self.solver.acceleration!r}" if self.solver.acceleration else rho
+        if self.constant and (self.solver.acceleration or self.solver.rho == "adaptive"):
+            return (f"Uzawa with the implicit normal step makes no progress with {fast}; friction does not depend on the "
+                    "penetration, so plain steps converge.  Remedy: rho='auto' without acceleration, or "
+                    "SemismoothNewtonSolver()"), None
         return ("Uzawa with the implicit normal step makes no progress although its step is small enough: friction depends on "
                 "the penetration or weakens with the slip, so there is no energy to decrease.  Remedy: a smaller friction "
                 f"coefficient, or {self.remedies}"), None

@@ -1,0 +1,253 @@
+"""A run of the semismooth Newton method: equations, line search, renewed matrices, load continuation, diagnosis."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..compliance import Apply, Compliance
+from ..graph import ContactGraph, NormalPart, Scales
+from .driver import Iterate, LawResidual
+from .fullspace import FullSpace
+from .recycling import Recycled
+from .stiffness import BodyStiffness, LawStiffness, Resultant
+
+FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
+NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
+FORCING = 1e-3      # relative residual of the linear equations
+LOOSE = 1e-2        # the same on the whole body, in the norm of `fullspace`
+OUTDATED = 20       # iterations for one such equation that tell that the matrix was made for other zones
+ACCURATE = 1e-9     # the smallest one that is asked for
+SAMEPIECE = 0.1     # change of dt/dq, which is between 0 and 1, that tells pieces of the graph apart
+GOAL = 0.1          # part of the tolerance at which the last linear equation aims
+LINEAR = 200        # applications of an inverse for one linear equation
+TOUCH = 1e-6        # penetration that counts as contact, in units of the extent of Gamma_C
+HALVINGS = 8        # of a Newton step
+DECREASE = 1e-4     # relative decrease of the merit function that a full step must bring
+RENEW = 20          # applications of an inverse that a factorisation without prediction serves at least
+SETTLED = 1e-3      # ratio of merits after a step that hardly changed the zones
+PATIENCE = 8        # steps in which the merit function must halve
+SMALL = 1e-8        # law residuals below this that do not shrink are round-off
+LOADSTEP = 1 / 32   # smallest step of the load continuation
+CORRECTIONS = 12    # Newton steps for one load
+WORK = 500          # applications of an inverse for the load continuation
+
+
+@dataclass(frozen=True)
+class _State:
+    """A point of the graph with F there (n, d), its merit |F|^2 in L2(Gamma_C), and the iterate in equilibrium with it."""
+
+    point: object
+    F: np.ndarray
+    merit: float
+    iterate: Iterate
+
+
+class NewtonRun:
+    """One run of the method on one discretisation.
+
+    Attributes
+    ----------
+    steps : list of (length, applications of the inverse, merit after/before), one for each Newton step
+    """
+
+    def __init__(self, solver, disc, start):
+        self.solver, self.disc, self.contact = solver, disc, disc.contact
+        self.scale = BodyStiffness(disc)
+        self.graph = ContactGraph(disc.contact, self.scale)
+        self.weights = disc.contact.weights[:, None]
+        self.held = not disc.unresisted
+        self.given = start is not None
+        self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
+        self.steps, self.zones, self.reached = [], [], 0.0
+        self.recycled, self.near = Recycled(None, self.contact.weights), None
+        self._Factorise(self.start, predicted=start is not None)
+
+    def _Factorise(self, point, *, predicted):
+        """Make the compliance operator; the stiffness of the law at the point goes into the matrix if that is a prediction."""
+        self.predicted = predicted
+        self.compliance = Compliance(self.disc, self._Stiffness(point, predicted))
+        self.recycled.compliance = self.compliance
+        iterative = self.compliance.iterative
+        self.equations = FullSpace(self.compliance, self.contact.weights) if iterative else self.recycled
+        n, dim = self.contact.normals.shape
+        self.stiffness = np.zeros((n, dim, dim)) if self.compliance.stiffness is None else self.compliance.stiffness
+        self.blocks = np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim))
+
+    def _Rest(self):
+        """No traction; a body that nothing else holds starts in contact everywhere, or its first step would be a flight."""
+        contact = self.contact
+        q = np.zeros(len(self.scale))
+        pressure = 0 if self.held else np.linalg.norm(Resultant(self.disc)) / contact.weights.sum()
+        if pressure:
+            q = self.scale * (contact.gap + TOUCH * np.ptp(contact.coordinates, axis=0).max())
+            for _, here, compliance, _ in contact.parts:
+                # As deep as if all points carried the loads evenly: a law that starts flat, like r^3, has no slope at touch.
+                gamma = self.scale[here]
+                r, p, _ = NormalPart(compliance, FLOOR * gamma, np.full(len(gamma), pressure))
+                q[here] = np.maximum(q[here], p + gamma * (r + contact.gap[here]))
+        return self.graph.At(q[:, None] * contact.normals)
+
+    def _Stiffness(self, point, predicted):
+        """What goes into the matrix, (n, d, d) or None."""
+        if self.held and not predicted:
+            return None
+        stiffness = LawStiffness(point, self.scale, self.contact.normals)
+        if not self.held:
+            resisting = self.contact.normals[:, :, None] * self.contact.normals[:, None, :]
+            for _, here, _, friction in self.contact.parts:
+                if friction is not None:
+                    resisting[here] = np.eye(self.contact.dim)
+            stiffness = stiffness + FLOOR * self.scale[:, None, None] * resisting
+        return stiffness
+
+    def Iterates(self):
+        state = self._Evaluate(self.start)
+        yield state.iterate
+        yield from self._Newton(state)
+        # Continuation starts from rest whatever the start was; who gave one has his own next choice.
+        if self._Roundoff() or self.given:
+            return
+        state = self._Continuation()
+        if state is not None:
+            self.steps.clear()
+            yield from self._Newton(state)
+
+    def _Newton(self, state):
+        """Iterates under full load until the steps bring no more."""
+        while not self._Stalled():
+            state = self._Step(state)
+            yield state.iterate
+            if self.compliance.iterative and self.equations.iterations > OUTDATED:
+                self._Factorise(state.point, predicted=True)
+                state = self._Evaluate(state.point)
+            near = self.steps[-1][2] < SETTLED or self._Roundoff()
+            if near and not self.predicted and len(self.recycled.images) > RENEW:
+                # The zones are nearly known now: with their stiffness in the matrix round-off and the work that is left shrink.
+                self._Factorise(state.point, predicted=True)
+                state = self._Evaluate(state.point)
+            elif self._Roundoff():
+                return
+
+    def _Evaluate(self, point, load=1.0, step=0.0):
+        """The state at a point of the graph, by one application of the inverse; step : see `Compliance.Meet`."""
+        self.near, s, response = self.compliance.Meet(point.displacement, point.traction, load=load, near=self.near, step=step)
+        if s is not None:
+            self.recycled.Remember(s, response)
+        state = self._State(point)
+        if self.compliance.iterative and load == 1 and LawResidual(self.contact, state.iterate) <= self.solver.tol:
+            # The last one, if it is one that can be believed.
+            self.near = self.compliance.Exact(point.displacement, point.traction, self.near)
+            state = self._State(point)
+        return state
+
+    def _State(self, point):
+        F = point.displacement - self.near.displacement
+        self.last = Iterate(self.near.vector, self.near.traction, self.near.displacement)
+        return _State(point, F, float(np.sum(self.weights * F ** 2)), self.last)
+
+    def _Step(self, state, load=1.0):
+        """One Newton step, shortened until the merit falls; the best state found."""
+        before, best, length = self.disc.solves, None, 1.0
+        if state.merit == 0:
+            return state
+        step, guess = self._Direction(state, LOOSE if self.compliance.iterative else FORCING), 0.0
+        trial = self.graph.At(state.point.q + step)
+        if self.compliance.iterative:
+            guess = -self.equations.displacement
+        elif np.abs(trial.derivative - state.point.derivative).max() < SAMEPIECE:
+            # The step stays on one smooth piece, so its equation is the last one that matters, and worth solving well.
+            step = self._Direction(state, float(np.clip(GOAL * self.solver.tol / self._Error(state), ACCURATE, FORCING)))
+        applications = self.disc.solves - before
+        for _ in range(HALVINGS + 1):
+            trial = self._Evaluate(self.graph.At(state.point.q + length * step), load, length * guess)
+            if best is None or trial.merit < best.merit:
+                best, chosen = trial, length
+            if best.merit <= (1 - DECREASE * length) * state.merit:
+                break
+            length /= 2
+        self.steps.append((chosen, applications, best.merit / state.merit))
+        self.zones.append(best.point.zones)
+        return best
+
+    def _Error(self, state):
+        """Largest difference between the point of the graph and the iterate, in displacement and traction, no unit."""
+        uscale, tscale = Scales(self.contact, state.iterate.displacement, state.iterate.traction)
+        return max(np.abs(state.F).max() / uscale, np.abs(Apply(self.stiffness, state.F)).max() / tscale)
+
+    def _Direction(self, state, forcing):
+        """Newton's step in q, (n, d), from the linear equation for s = (dt/dq - D dU/dq) dq.
+
+        Eliminating dq with S_D replaced by its blocks B at the points leaves s + P (S_D - B) s = -P F, which concerns only the
+        points where D misses the slope of the law.
+        """
+        slope = state.point.derivative
+        relief = (np.eye(self.contact.dim) - slope) / self.scale[:, None, None]     # dU/dq
+        shifted = slope - self.stiffness @ relief                                   # ds/dq
+        inverse = np.linalg.inv(relief + self.blocks @ shifted)
+        weight = shifted @ inverse
+
+        def Local(image, s):
+            return Apply(weight, image - Apply(self.blocks, s))
+
+        s, image = self.equations.Solve(Local, -Apply(weight, state.F), tol=forcing, maxiter=LINEAR)
+        return Apply(inverse, Apply(self.blocks, s) - image - state.F)
+
+    def _Stalled(self):
+        recent = [ratio for _, _, ratio in self.steps[-PATIENCE:]]
+        return len(recent) == PATIENCE and np.prod(recent) > 0.5
+
+    def _Roundoff(self):
+        """True if the last two steps brought nothing and hardly anything is left."""
+        recent = [ratio for _, _, ratio in self.steps[-2:]]
+        return len(recent) == 2 and min(recent) > 0.5 and LawResidual(self.contact, self.last) < SMALL
+
+    def _Continuation(self):
+        """The state under full load, reached from rest by raising the load in steps that adapt; None if that fails as well."""
+        state, load, increment, before = self._Evaluate(self._Rest(), 0.0), 0.0, 0.25, self.disc.solves
+        while load < 1:
+            self.reached = load
+            if self.disc.solves - before > WORK:
+                return None
+            increment = min(increment, 1 - load)
+            self.steps.clear()
+            trial = self._Evaluate(state.point, load + increment)
+            goal, count = 1e-6 * trial.merit, 0
+            while trial.merit > goal and count < CORRECTIONS:
+                trial, count = self._Step(trial, load + increment), count + 1
+            if trial.merit <= goal:
+                state, load = trial, load + increment
+                increment *= 2 if count <= CORRECTIONS // 2 else 1
+            elif increment / 2 < LOADSTEP:
+                return None
+            else:
+                increment /= 2
+        return state
+
+    def Diagnose(self, reason):
+        """Cause and remedy of a failure."""
+        if reason == "slow":
+            return "Newton reached its limit of steps while still making progress; raise maxiter", None
+        if LawResidual(self.contact, self.last) < SMALL:
+            return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", None
+        period = self._Period()
+        if period:
+            changing = int(np.sum(np.any(np.array(self.zones[-period:]) != self.zones[-1], axis=0)))
+            what = f"Newton cycles with period {period} between states that differ in the zones of {changing} points"
+        else:
+            what = f"Newton stagnates, its last step shortened to {self.steps[-1][0] if self.steps else 1:.2g}"
+        if not self.given:
+            what += f", and raising the load in steps found no equilibrium beyond {self.reached:.0%} of it"
+        if self.disc.unresisted:
+            return (f"{what}.  The foundation alone resists {self.disc.unresisted}: there is no equilibrium if the loads pull "
+                    "the body off or push it along harder than friction holds.  Remedy: other loads, dirichlet or roller"), None
+        return (f"{what}.  With strong friction that grows with the pressure, or a law that is not monotone, there may be "
+                "several solutions or none nearby.  Remedy: a smaller friction coefficient, other starts (MultiStart), or a "
+                "finer mesh at the ends of the zones"), None
+
+    def _Period(self):
+        """Smallest number of steps > 1 after which the zones come back, twice; 0 if they do not."""
+        for period in range(2, PATIENCE + 1):
+            recent = self.zones[-2 * period - 1:]
+            if len(recent) == 2 * period + 1 and all(np.array_equal(a, b) for a, b in zip(recent[:-period], recent[period:])):
+                return 0 if np.array_equal(recent[-1], recent[-2]) else period
+        return 0

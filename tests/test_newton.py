@@ -13,7 +13,7 @@ from ngdgc import (BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discr
                    SemismoothNewtonSolver, SlipWeakeningFriction, SolveInterrupted, TrescaFriction, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.solvers import nested, newton
+from ngdgc.solvers import newton
 from ngdgc.solvers.newtonrun import NewtonRun
 
 EXAMPLES = {"4.1": (example_4_1, 2000), "4.2": (example_4_2, 2500)}
@@ -48,7 +48,7 @@ def Difference(one, other):
 @pytest.mark.parametrize("disc", [lambda k: Stiff("4.1", k, CoulombFriction(0.3), order=2),
                                   lambda k: Stiff("4.2", k, TrescaFriction(5), method=Conforming()),
                                   lambda k: Stiff("4.2", k, SlipWeakeningFriction(0.5, 0.2, 0.01), method=BassiEtAl())])
-def test_step_is_that_of_the_derivative(disc, ratio, monkeypatch):
+def test_step_is_that_of_the_derivative(disc, ratio):
     """On a linear piece one full step with exact linear equations ends: from near a solution the merit falls to round-off.
 
     F is quadratic in the slip of a weakening law, so the step is small enough for its second order.  With a derivative that is
@@ -56,7 +56,6 @@ def test_step_is_that_of_the_derivative(disc, ratio, monkeypatch):
     """
     disc = disc(ratio)
     solution = NEWTON.Solve(disc)
-    monkeypatch.setattr(newton, "FORCING", (1e-13, 1e-13))
     random = np.random.default_rng(0)
     for start in (None, (solution.displacement, solution.traction)):
         run = NewtonRun(NEWTON, disc, start)        # with and without stiffness in the matrix

@@ -13,7 +13,6 @@ from ngdgc import (BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discr
                    SemismoothNewtonSolver, SlipWeakeningFriction, SolveInterrupted, TrescaFriction, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.solvers import newton
 from ngdgc.solvers.newtonrun import NewtonRun
 
 EXAMPLES = {"4.1": (example_4_1, 2000), "4.2": (example_4_2, 2500)}

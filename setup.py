@@ -19,9 +19,9 @@ setup(
     package_dir={"ngdgc.cases": "cases"},
     # webgui_jupyter_widgets carries the viewer's JavaScript, which a page that opens without a network must embed;
     # threadpoolctl keeps BLAS threads out of batches of small matrices.
-    # pyamg solves the coarse problem of the iterative inverse.
+    # pyamg solves the coarse problem of the iterative inverse; psutil knows how much memory is free.
     install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "threadpoolctl>=3", "webgui_jupyter_widgets",
-                      "pyamg>=5"],
+                      "pyamg>=5", "psutil"],
     extras_require={"test": ["pytest", "ruff"], "mkl": ["mkl"]},
     entry_points={"console_scripts": ["ngdgc = ngdgc.cli:Main"]},
 )

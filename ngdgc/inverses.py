@@ -1,4 +1,4 @@
-"""Which inverse solves the linear equations: chosen by symmetry, dimension and size.
+"""Which inverse solves the linear equations: chosen by symmetry, dimension, size, material and memory.
 
 sparsecholesky : NGSolve's factorisation, the usual choice
 pardisospd : the factorisation of the library MKL, where it is installed (`pip install ngdgc[mkl]`)
@@ -9,14 +9,21 @@ iterative : preconditioned conjugate gradients (`iterative` module), in 3D for m
 
 from functools import cache
 
+import numpy as np
+import psutil
 from ngsolve.la import SparseMatrixd
 
+from .elasticity import StiffnessAt
 from .exceptions import ProblemError
-from .iterative import IterativeInverse
+from .facets import VolumePoints
+from .iterative import DirectMemory, IterativeInverse
 
 SYMMETRIC = "sparsecholesky", "pardisospd", "iterative"
 LIKEFACTORS = 1e-11         # relative residual of solutions that take the place of a factorisation's
 LARGE = 50_000      # unknowns in 3D from which conjugate gradients are faster
+SWOLLEN = 15        # largest ratio of volumetric to shear stiffness for which they are: nu = 0.45 in 3D
+LU = 2.5            # memory of an unsymmetric factorisation in units of that of a symmetric one
+GIGABYTE = 1e9
 
 
 def Kind(disc, wanted):
@@ -27,7 +34,7 @@ def Kind(disc, wanted):
     if wanted == "auto":
         if not disc.symmetric:
             return "umfpack"
-        if disc.mesh.dim == 3 and disc.method.discontinuous and disc.space.ndof > LARGE:
+        if disc.mesh.dim == 3 and disc.method.discontinuous and disc.space.ndof > LARGE and Swelling(disc) < SWOLLEN:
             return "iterative"
         return "pardisospd" if HasPardiso() else "sparsecholesky"
     if wanted not in (*SYMMETRIC, "umfpack"):
@@ -41,10 +48,29 @@ def Kind(disc, wanted):
 
 
 def Inverse(disc, matrix, kind):
-    """The inverse of a matrix on the free dofs of a Discretization."""
+    """The inverse of a matrix on the free dofs of a Discretization.
+
+    Raises ProblemError, before it is begun, for a factorisation that would not fit into the memory that is free.
+    """
     if kind == "iterative":
         return IterativeInverse(disc, matrix, tol=LIKEFACTORS)
+    # Unknowns of neighbouring elements, or of neighbouring vertices, are eliminated together.
+    nodes = disc.mesh.ne if disc.method.discontinuous else disc.mesh.nv
+    needed = DirectMemory(nodes, matrix.nze, disc.mesh.dim) * (LU if kind == "umfpack" else 1)
+    if needed > (free := psutil.virtual_memory().available):
+        other = ("inverse='iterative'" if disc.symmetric and disc.method.discontinuous else "a discontinuous method with "
+                 "inverse='iterative'")
+        raise ProblemError(f"the factors of {disc.space.ndof} unknowns would take about {needed / GIGABYTE:.1f} GB, and "
+                           f"{free / GIGABYTE:.1f} GB are free; take {other}, a coarser mesh or a lower order")
     return Factorised(matrix, disc.space.FreeDofs(), kind, disc.mesh.dim)
+
+
+def Swelling(disc):
+    """Largest ratio of volumetric to shear stiffness, (I : C : I)/d over 2 mu; 1 + d lam/(2 mu) for isotropic materials."""
+    dim, material = disc.mesh.dim, disc.problem.material
+    points = VolumePoints(disc.mesh, 0)
+    volumetric = np.einsum("niijj->n", StiffnessAt(material, points, dim)) / dim
+    return float(np.max(volumetric / (2 * material.ShearAt(points))))
 
 
 def Factorised(matrix, freedofs, kind, dim):

@@ -1,11 +1,16 @@
 """What solves the linear equations."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
+from ngsolve import CF
 
-from ngdgc import LDG, Discretization, InteriorPenalty, ProblemError, inverses
+from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, inverses)
 from ngdgc.atlas import Point
-from ngdgc.methods import NonsymmetricInteriorPenalty
+from ngdgc.meshes import BoxMesh
 
 
 def Disc(method=None, inverse="auto"):
@@ -25,6 +30,58 @@ def test_the_choice_follows_symmetry_and_what_is_installed(monkeypatch):
     assert Disc().inversekind == "pardisospd" and Disc(NonsymmetricInteriorPenalty()).inversekind == "umfpack"
     monkeypatch.setattr(inverses, "HasPardiso", lambda: False)
     assert Disc().inversekind == "sparsecholesky"
+
+
+def Solid(nu=0.3, inverse="auto", method=None):
+    point = Point(problem="box", n=2)
+    problem = replace(point.contactproblem, material=HookeMaterial(E=1000, nu=nu))
+    return Discretization(problem, method or InteriorPenalty(), point.Mesh(), inverse=inverse)
+
+
+def test_large_solids_are_iterated_unless_they_are_nearly_incompressible(monkeypatch):
+    monkeypatch.setattr(inverses, "HasPardiso", lambda: False)
+    assert Solid().inversekind == "sparsecholesky"
+    monkeypatch.setattr(inverses, "LARGE", 500)
+    assert Solid().inversekind == "iterative" and Solid(nu=0.44).inversekind == "iterative"
+    assert Solid(nu=0.46).inversekind == "sparsecholesky"
+    assert Solid(method=Conforming()).inversekind == "sparsecholesky" and Disc().inversekind == "sparsecholesky"
+    assert inverses.Swelling(Solid()) == pytest.approx(1 + 1.5 * 2 * 0.3 / 0.4)
+
+
+@pytest.mark.parametrize("stiffness", [1.0, 1e3, 1e7])
+@pytest.mark.parametrize("order", [1, 2])
+def test_iterated_solutions_are_those_of_a_factorisation(stiffness, order):
+    """In displacement and traction, with friction that matters: half the coefficient is another solution."""
+    def Solved(inverse, coefficient=0.3):
+        point = Point(problem="box", n=3, stiffness=stiffness, coefficient=coefficient)
+        return Discretization(point.contactproblem, InteriorPenalty(), point.Mesh(), order=order, inverse=inverse).Solve()
+
+    direct, iterated, half = Solved("sparsecholesky"), Solved("iterative"), Solved("sparsecholesky", 0.15)
+    assert iterated.disc.inversekind == "iterative" and iterated.history[-1].residual <= 1e-10
+    for name in ("displacement", "traction"):
+        ours, theirs, other = (getattr(one, name) for one in (iterated, direct, half))
+        assert np.abs(ours - theirs).max() < 1e-7 * np.abs(theirs).max()
+        assert np.abs(other - theirs).max() > 1e-4 * np.abs(theirs).max()
+
+
+def test_a_body_that_only_its_foundation_holds_is_iterated():
+    side = {"roller": {"left": 0, "front": 0}, "traction": {"top": CF((0, 0, -1))}}
+    problem = ContactProblem(HookeMaterial(E=100, nu=0.3), Foundation("bottom", NormalCompliance(50)), **side)
+    solution = Discretization(problem, InteriorPenalty(), BoxMesh(3), inverse="iterative").Solve()
+    assert solution.normalforce == pytest.approx(1, rel=1e-9)
+
+
+def test_what_does_not_fit_is_refused_before_it_is_begun(monkeypatch):
+    """By an estimate that is right for what can be factorised."""
+    memory = SimpleNamespace(available=1e4)
+    monkeypatch.setattr(inverses.psutil, "virtual_memory", lambda: memory)
+    with pytest.raises(ProblemError, match="of 576 unknowns would take about .* GB.*take inverse='iterative', a coarser mesh"):
+        Solid().Solve(coarser=())
+    with pytest.raises(ProblemError, match="take a discontinuous method with inverse='iterative'"):
+        Solid(method=Conforming()).Solve(coarser=())
+    assert Solid(inverse="iterative").Solve(coarser=()).converged
+    memory.available = 1e9
+    assert Solid().Solve(coarser=()).converged
 
 
 def test_a_choice_that_cannot_be_names_the_remedy(monkeypatch):

@@ -35,8 +35,11 @@ class FullSpace:
     def Solve(self, Local, b, *, tol, maxiter):
         """(s, T w) with Local(T w, s) = P (T w - B s), to a preconditioned residual of tol, relative; at most maxiter steps."""
         ndof, contact = self.compliance.disc.space.ndof, self.contact
+        if not np.any(b):
+            self.iterations, self.displacement = 0, np.zeros(ndof)
+            return np.zeros_like(b), np.zeros_like(b)
         reaction = self.compliance.Smooth(contact.Load(b))
-        scale = WEIGHT * np.linalg.norm(self.root * b) / max(np.linalg.norm(reaction), np.finfo(float).tiny)
+        scale = WEIGHT * np.linalg.norm(self.root * b) / np.linalg.norm(reaction)
 
         def Operator(x):
             w, s = x[:ndof] / scale, x[ndof:].reshape(b.shape) / self.root

@@ -5,7 +5,7 @@ import sys
 
 from .arguments import Folder, Positive
 from .exceptions import ProblemError
-from .studies import Show, Write
+from .studies import Show, Write, WritePage
 
 
 def AddBench(commands):
@@ -38,7 +38,7 @@ def AddBench(commands):
 def Bench(options):
     """Everything; what was computed is written and printed also after Ctrl-C."""
     from . import bench
-    from .benchpage import Compared, Figures, Text, WritePage
+    from .benchpage import Compared, Figures, Page, Text
 
     benches = {name: points for name, points in bench.Benches(quick=options.quick).items() if options.only in name}
     if not benches:
@@ -59,11 +59,7 @@ def Bench(options):
         if costs:
             Write(folder, "performance", Text(costs, lines), Figures(costs))
     if options.page:
-        try:
-            WritePage(options.page, costs, lines, os.cpu_count())
-        except OSError as error:
-            raise ProblemError(f"cannot write {options.page}: {error.strerror}") from error
-        print(f"written to {options.page}")
+        WritePage(options.page, Page(costs, lines, os.cpu_count()), Figures(costs))
     return 0
 
 

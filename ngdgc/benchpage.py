@@ -1,7 +1,5 @@
 """Tables, figure and page of the benchmark."""
 
-from pathlib import Path
-
 import numpy as np
 
 from .bench import TOL, Growth
@@ -84,12 +82,3 @@ def Page(benches, peers, processors):
         lines += [f"## {name}", "", "| " + " | ".join(HEADER) + " |", "|---" * len(HEADER) + "|",
                   *("| " + " | ".join(_Cells(cost)) + " |" for cost in costs), ""]
     return "\n".join([*lines, "## Other codes", "", *(f"* {line}" for line in peers), ""])
-
-
-def WritePage(file, benches, peers, processors):
-    """The page and its figure in images/ beside it."""
-    folder = Path(file).parent
-    (folder / "images").mkdir(parents=True, exist_ok=True)
-    Path(file).write_text(Page(benches, peers, processors), encoding="utf-8")
-    for name, figure in Figures(benches).items():
-        figure.savefig(folder / "images" / f"{name}.png", dpi=110)

@@ -27,6 +27,18 @@ def AddStudies(commands):
     convergence.add_argument("--out", default="results", help="folder for table and figures (default results/)")
     convergence.set_defaults(command=Convergence)
 
+    accuracy = commands.add_parser("accuracy", help="error against time on a smooth solution", description="Which method and "
+                                   "order comes to 1 %%, 0.1 %%, 0.001 %% the soonest: a table, and a figure for each kind of "
+                                   "cells.")
+    _AddMethod(accuracy)
+    accuracy.add_argument("--order", type=Positive, nargs="+", default=[1, 2, 3, 4],
+                          help="polynomial degrees (default 1 2 3 4)")
+    accuracy.add_argument("--cells", nargs="+", default=["triangle", "tet"], help="as for convergence (default triangle tet)")
+    accuracy.add_argument("--budget", type=Finite, default=5.0, help="seconds after which no finer mesh is tried (default 5)")
+    accuracy.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout docs/accuracy.md)")
+    accuracy.add_argument("--out", default="results", help="folder for table and figures (default results/)")
+    accuracy.set_defaults(command=Accuracy)
+
     locking = commands.add_parser("locking", help="errors of nearly incompressible bodies",
                                   description="Relative strain errors on ngdgc.exact.SmoothSlip as lam grows: table, figure.")
     _AddMethod(locking, forms=True)
@@ -94,6 +106,19 @@ def Write(folder, name, text, figures):
     print(f"\nwritten to {folder}/: {', '.join([f'{name}.txt', *(f'{stem}.png' for stem in figures)])}")
 
 
+def WritePage(file, text, figures):
+    """Write a page of the documentation, and figures {stem: figure} in images/ beside it."""
+    try:
+        images = Path(file).parent / "images"
+        images.mkdir(parents=True, exist_ok=True)
+        Path(file).write_text(text, encoding="utf-8")
+        for stem, figure in figures.items():
+            figure.savefig(images / f"{stem}.png", dpi=110)
+    except OSError as error:
+        raise ProblemError(f"cannot write {file}: {error.strerror}") from error
+    print(f"written to {file}")
+
+
 def Convergence(options):
     """Errors of methods x orders x cells on the smooth solution."""
     from .convergence import Study, Text
@@ -111,6 +136,34 @@ def Convergence(options):
                       for method in methods.values() for order in options.order] for cells in options.cells}
     Write(folder, "convergence", Text([one for group in series.values() for one in group]),
            {f"convergence_{cells}": ConvergenceFigure(group) for cells, group in series.items()})
+    return 0
+
+
+def Accuracy(options):
+    """Error against time of methods x orders x cells."""
+    from .accuracy import Page, Study, Text
+    from .exact import SmoothSlip
+    from .meshes import BOXCELLS, UnitMesh
+    from .plots import AccuracyFigure
+    from .variants import Variants
+
+    methods = Variants(options.method, form=None if options.method == "h1" else "edge")
+    for cells in options.cells:
+        UnitMesh(1, cells)
+    folder, series = Folder(options.out), []
+    try:
+        for cells in options.cells:
+            exact = SmoothSlip(dim=3 if cells in BOXCELLS else 2)
+            for method in methods.values():
+                series += [Study(exact, method, order=order, cells=cells, budget=options.budget, callback=Show)
+                           for order in options.order]
+    finally:
+        figures = {f"accuracy_{cells}": AccuracyFigure([one for one in series if one.cells == cells])
+                   for cells in dict.fromkeys(one.cells for one in series)}
+        if series:
+            Write(folder, "accuracy", Text(series), figures)
+    if options.page:
+        WritePage(options.page, Page(series), figures)
     return 0
 
 

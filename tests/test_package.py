@@ -34,8 +34,8 @@ LAYERS = [["exceptions", "report", "parallel", "peers"], ["arguments", "coeffici
            "plots.atlas", "plots.sweep", "plots.bench"],
           ["plots.__init__"],
           ["atlas"], ["bench"],
-          ["atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output", "stabilitystudy", "sweep",
-           "table3"],
+          ["accuracy", "atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output",
+           "stabilitystudy", "sweep", "table3"],
           ["studies"], ["benchcommands"], ["cli"]]
 
 

@@ -8,7 +8,7 @@ import pytest
 from conftest import ExitCode
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngdgc import LDG, BassiEtAl, Conforming, InteriorPenalty, ProblemError, convergence, locking
+from ngdgc import LDG, BassiEtAl, Conforming, InteriorPenalty, ProblemError, accuracy, convergence, locking
 from ngdgc.cli import Main
 from ngdgc.exact import SmoothSlip
 from ngdgc.plots import ConvergenceFigure, LockingFigure
@@ -127,6 +127,44 @@ def test_locking_figure_and_table_hold_the_errors():
     for text in (locking.Text(sweeps), locking.Markdown(sweeps)):
         assert "lam = 1e+06" in text and "2.000e-02" in text
         assert re.findall(r"(\d\.\d\d)(?: \|)?$", text, re.M) == ["1.00", "1.00", "2.00", "2.00"]
+
+
+def Timed(label="IP edge", order=1, shift=0):
+    """Errors 10^-1 ... 10^-4 in 1 ... 1000 seconds, times 10^shift."""
+    powers = np.arange(4.0)
+    return accuracy.Series(label, "triangle", order, 2 ** powers, 6 * 4 ** powers, 10 ** (powers + shift), 10 ** (-1 - powers))
+
+
+def test_time_for_an_accuracy_is_interpolated_and_never_extrapolated():
+    assert Timed().At(1e-3) == pytest.approx((100, 96), rel=1e-3)
+    assert Timed().At(10 ** -2.5) == pytest.approx((10 ** 1.5, 48), rel=1e-3)
+    assert Timed().At(0.2) is None and Timed().At(1e-5) is None
+
+
+def test_accuracy_page_names_the_soonest():
+    page = accuracy.Page([Timed(), Timed("H1", 2, shift=-1)])
+    assert "* 1 %: H1, k = 2, is the soonest." in page and "0.001 %: " not in page
+    assert "| IP edge | triangle | 1 | 10 s, 24 | 1e+02 s, 96 | - |" in page
+
+
+def test_accuracy_study_refines_until_the_budget_is_spent():
+    series = accuracy.Study(SmoothSlip(), InteriorPenalty(), order=2, budget=1e-9)
+    assert series.n.tolist() == [2]
+    series = accuracy.Study(SmoothSlip(), InteriorPenalty(), order=2, budget=0.5)
+    assert len(series.n) > 2 and np.all(np.diff(series.n) > 0) and np.all(series.seconds > 0)
+    assert np.log2(series.error[-2] / series.error[-1]) == pytest.approx(2, abs=0.3)
+    with pytest.raises(ProblemError, match="budget is 0"):
+        accuracy.Study(SmoothSlip(), InteriorPenalty(), budget=0)
+
+
+def test_accuracy_command_writes_table_figures_and_page(tmp_path, capsys):
+    page = tmp_path / "docs" / "accuracy.md"
+    arguments = f"accuracy --method h1 --order 1 2 --cells triangle --budget 0.01 --out {tmp_path} --page {page}"
+    assert Main(arguments.split()) == 0
+    output = capsys.readouterr().out
+    assert output.count("H1      triangle") == 2 and "| H1 | triangle | 2 |" in page.read_text()
+    for picture in (tmp_path / "accuracy_triangle.png", tmp_path / "docs" / "images" / "accuracy_triangle.png"):
+        assert picture.stat().st_size > 10_000
 
 
 def test_convergence_command_prints_what_the_study_finds(tmp_path, capsys):

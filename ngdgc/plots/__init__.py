@@ -10,5 +10,5 @@ from .contact import ContactFigure
 from .deformed import DeformedFigure
 from .history import HistoryFigure
 from .setting import SettingFigure
-from .studies import ConvergenceFigure, LockingFigure
+from .studies import AccuracyFigure, ConvergenceFigure, LockingFigure
 from .sweep import SweepFigure

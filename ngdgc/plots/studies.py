@@ -36,6 +36,23 @@ def ConvergenceFigure(series):
     return figure
 
 
+def AccuracyFigure(series):
+    """Relative strain errors of `accuracy.Series` against seconds, double logarithmic, one picture per order."""
+    orders = sorted({one.order for one in series})
+    figure = Figure(figsize=(2.9 * max(len(orders), 1.6), 3.8), layout="constrained")
+    for axes, order in zip(figure.subplots(1, len(orders), squeeze=False, sharex=True, sharey=True)[0], orders):
+        for one in series:
+            if one.order == order:
+                axes.plot(one.seconds, one.error, **_Style(one.label))
+            else:
+                axes.plot(one.seconds, one.error, color="#CCCCCC", linewidth=0.8, zorder=0)
+        axes.set(xscale="log", yscale="log", xlabel="seconds", title=f"order k = {order}")
+        _Finish(axes)
+    figure.axes[0].set_ylabel(r"$|\varepsilon_h(u-u_h)|_0\,/\,|\varepsilon(u)|_0$  [no unit]")
+    _Legend(figure)
+    return figure
+
+
 def LockingFigure(sweeps):
     """Relative strain errors of `locking.Sweep`s against lam/mu, mu = 2, double logarithmic, one picture per order."""
     orders = sorted({sweep.order for sweep in sweeps})

@@ -170,6 +170,19 @@ def test_a_body_that_only_friction_holds_slides_when_it_must():
     assert disc.solves < 20000
 
 
+def test_an_excursion_leaves_no_trace():
+    """Where the iteration has been astray, digits are lost; they are those of that place and not of the next one."""
+    disc = Stiff("4.2", 1e3, CoulombFriction(0.3))
+    solution = NEWTON.Solve(disc)
+    run = NewtonRun(NEWTON, disc, (solution.displacement, solution.traction))
+    point, far = run.start, run.graph.At(1e12 * run.start.q)
+    run._Evaluate(run.graph.At(0.5 * point.q))
+    before = run._Evaluate(point).F
+    lost = np.abs(run._Evaluate(far).iterate.displacement).max() * np.finfo(float).eps
+    again = run._Evaluate(point).F
+    assert np.abs(again - before).max() < 1e-12 * np.abs(point.displacement).max() < 1e-6 * lost
+
+
 def test_tolerance_below_roundoff_is_named():
     with pytest.raises(NotConvergedError, match="tol=1e-17 is below what round-off allows"):
         SemismoothNewtonSolver(tol=1e-17).Solve(Stiff("4.1", 1e3, CoulombFriction(0.3), order=3))

@@ -59,7 +59,7 @@ class NewtonRun:
         self.given = start is not None
         self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
         self.steps, self.zones, self.reached = [], [], 0.0
-        self.recycled, self.near = Recycled(None, self.contact.weights), None
+        self.recycled, self.near, self.base = Recycled(None, self.contact.weights), None, None
         self._Factorise(self.start, predicted=start is not None)
 
     def _Factorise(self, point, *, predicted):
@@ -130,8 +130,12 @@ class NewtonRun:
 
     def _Evaluate(self, point, load=1.0, step=0.0):
         """The state at a point of the graph, by one application of the inverse; step : see `Compliance.Meet`."""
-        self.near, s, response = self.compliance.Meet(point.displacement, point.traction, load=load, near=self.near, step=step)
-        if s is not None:
+        # From the last equilibrium round-off would add up, and be kept from where the iteration had gone far astray.
+        near = self.near if self.compliance.iterative else self.base
+        self.near, s, response = self.compliance.Meet(point.displacement, point.traction, load=load, near=near, step=step)
+        if s is None:
+            self.base = self.near
+        else:
             self.recycled.Remember(s, response)
         state = self._State(point)
         if self.compliance.iterative and load == 1 and LawResidual(self.contact, state.iterate) <= self.solver.tol:

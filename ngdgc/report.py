@@ -15,7 +15,7 @@ def Summary(solution):
     summary = {
         "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
         "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
-        "solver": solution.solver, "converged": solution.converged,
+        "solver": solution.solver, "inverse": disc.inversekind, "converged": solution.converged,
         "iterations": len(solution.history),
         "change": last.change if last else None, "law_residual": last.residual if last else None,
         "solves": last.solves if last else None, "seconds": last.seconds if last else None,
@@ -57,7 +57,8 @@ def _Iteration(numbers):
         return [numbers["solver"] or "no iteration recorded"]
     state = "converged" if numbers["converged"] else "NOT CONVERGED: the numbers below are those of the last iterate"
     return [numbers["solver"],
-            f"  {state}, {numbers['iterations']} iterations, {numbers['solves']} linear solves, {numbers['seconds']:.2f} s",
+            f"  {state}, {numbers['iterations']} iterations, {numbers['solves']} linear solves by {numbers['inverse']}, "
+            f"{numbers['seconds']:.2f} s",
             f"  last change {numbers['change']:.1e}, distance to the contact law {numbers['law_residual']:.1e}",
             *_Rates(numbers["contraction"]), *_Levels(numbers["levels"])]
 

@@ -22,6 +22,7 @@ def test_all_inverses_solve_the_same_problem():
     first, second = Disc().Solve(), Disc(inverse="umfpack").Solve()
     assert (first.disc.inversekind, second.disc.inversekind) == ("sparsecholesky", "umfpack")
     assert np.abs(first.vector - second.vector).max() < 1e-11 < np.abs(first.vector).max()
+    assert "linear solves by umfpack" in second.Report() and "by sparsecholesky" in first.Report()
 
 
 def test_the_choice_follows_symmetry_and_what_is_installed(monkeypatch):

@@ -55,7 +55,7 @@ class IterativeInverse(BaseMatrix):
         super().__init__()
         if not (disc.method.discontinuous and disc.symmetric):
             raise ProblemError(f"conjugate gradients need a symmetric discontinuous method, {disc.method.name} is none; take "
-                               "the direct solver, disc.Factorise(matrix)")
+                               "inverse='auto'")
         self.mesh, self.matrix, self.tol, self.maxiter = disc.mesh, matrix, tol, maxiter
         self.iterations, self.solves, self.residual = 0, 0, 0.0
         with Threads(self.mesh):
@@ -115,7 +115,7 @@ class IterativeInverse(BaseMatrix):
                 raise ProblemError(
                     f"conjugate gradients came to a relative residual of {self.residual:.1e} instead of {tol:.1e} in "
                     f"{self.maxiter - left} steps; likely causes are a nearly incompressible material, a body that nothing "
-                    "holds or distorted elements; take the direct solver, disc.Factorise(matrix)")
+                    "holds or distorted elements; take inverse='sparsecholesky'")
             before, left = norm, left - self._Steps(tol * size, left)
 
     def _Steps(self, target, most):

@@ -170,14 +170,14 @@ def test_scale_of_the_material_does_not_matter():
 def test_errors_name_cause_and_remedy():
     mesh = BoxMesh(2)
     disc = Block(mesh)
-    with pytest.raises(ProblemError, match="in 3 steps.*take the direct solver"):
+    with pytest.raises(ProblemError, match="in 3 steps.*take inverse='sparsecholesky'"):
         IterativeInverse(disc, disc.matrix, maxiter=3).Solve(disc.load)
     with pytest.raises(ProblemError, match="not positive definite"):
         IterativeInverse(disc, Native(Csr(disc.matrix) - 10 * sp.eye(disc.space.ndof))).Solve(disc.load)
     with pytest.raises(ProblemError, match="not finite"):
         IterativeInverse(disc, disc.matrix).Solve(np.nan * disc.load)
     for method in (Conforming(), NonsymmetricInteriorPenalty()):
-        with pytest.raises(ProblemError, match=f"{method.name} is none; take the direct solver"):
+        with pytest.raises(ProblemError, match=f"{method.name} is none; take inverse='auto'"):
             IterativeInverse(Block(mesh, method), disc.matrix)
 
 

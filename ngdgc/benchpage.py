@@ -60,7 +60,7 @@ def Figures(benches):
 INTRODUCTION = """# Performance
 
 Written by `ngdgc bench --page docs/performance.md`; nothing on this page is typed by hand but the explanations.  Seconds are
-medians of repeated runs on {processors} processors, and vary with the machine; what counts are ratios to the *reference* of
+the medians of {repeat} runs (of the largest problems one) on {processors} processors, and vary with the machine; what counts are ratios to the *reference* of
 the same run: NGSolve's sparse Cholesky factorisation of the same matrix and one solve with it (where its factors are too
 large it is left out).  Everything is solved to a law residual of {tol:g} by `Solve(disc)`.
 
@@ -74,7 +74,8 @@ large it is left out).  Everything is solved to a law residual of {tol:g} by `So
 
 def Page(benches, peers, processors):
     """The page, Markdown; its figure is images/performance.png of `Figures`."""
-    lines = [INTRODUCTION.format(tol=TOL, processors=processors)]
+    repeat = max(len(cost.total) for costs in benches.values() for cost in costs)
+    lines = [INTRODUCTION.format(tol=TOL, processors=processors, repeat=repeat)]
     if _Growths(benches):
         lines += ["![Time against unknowns](images/performance.png)", ""]
         lines += [*(f"* {name}: time grows as unknowns^{exponent:.2f}" for name, exponent in _Growths(benches)), ""]

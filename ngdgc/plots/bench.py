@@ -14,7 +14,7 @@ def GrowthFigure(panels):
 
     panels : {title: {label: list of `bench.Cost` of growing size}}
     """
-    figure = Figure(figsize=(3.6 * len(panels) + 0.4, 3.9), layout="constrained")
+    figure = Figure(figsize=(3.6 * len(panels) + 0.4, 4.5), layout="constrained")
     for axes, (title, series) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels.items()):
         for (label, costs), colour, marker in zip(series.items(), COLOURS, MARKERS):
             axes.loglog([cost.dofs for cost in costs], [np.median(cost.total) for cost in costs], color=colour, marker=marker,
@@ -25,5 +25,6 @@ def GrowthFigure(panels):
         axes.set(title=title, xlabel="unknowns", ylabel="seconds, from mesh to solution")
         axes.spines[["top", "right"]].set_visible(False)
         axes.grid(color="#DDDDDD", linewidth=0.6)
-        axes.legend(frameon=False, fontsize=8)
+        # Outside: growth fills the picture from corner to corner.
+        axes.legend(frameon=False, fontsize=8, loc="upper center", bbox_to_anchor=(0.5, -0.16))
     return figure

@@ -113,9 +113,10 @@ def test_products_serve_matrices_with_another_stiffness(weights):
     """(S^-1 + D)^-1 for two D: all products with one make those with the other; taken for the same D they do not."""
     S, blocks, b = Compliance(), Blocks(1), np.random.default_rng(2).standard_normal((N, DIM))
     first, other = Dense(S), Dense(S)
-    other.stiffness = np.random.default_rng(5).uniform(0, 20, N * DIM)
-    other.matrix = np.linalg.inv(np.linalg.inv(S) + np.diag(other.stiffness))
-    for told, fresh in ((other.stiffness, 0), (0 * other.stiffness, 1)):
+    for seed, dense in enumerate((first, other)):
+        dense.stiffness = np.random.default_rng(seed).uniform(0, 20, N * DIM)
+        dense.matrix = np.linalg.inv(np.linalg.inv(S) + np.diag(dense.stiffness))
+    for told, fresh in ((other.stiffness, 0), (first.stiffness, 1)):
         recycled = Recycled(first, weights)
         for unit in np.eye(N * DIM):
             recycled.Remember(unit.reshape(N, DIM), first.Response(unit.reshape(N, DIM)))

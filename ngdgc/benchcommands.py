@@ -13,7 +13,7 @@ def AddBench(commands):
     bench = commands.add_parser("bench", help="what things cost beside the factorisation of the matrix",
                                 description="Whole contact solutions, part by part, over sizes, methods and orders in 2D and "
                                 "3D, beside a factorisation of the same matrix; and other codes, where they are installed.")
-    bench.add_argument("--quick", action="store_true", help="tiny problems (half a minute; else about an hour)")
+    bench.add_argument("--quick", action="store_true", help="tiny problems (half a minute; else with --repeat 1 twenty)")
     bench.add_argument("--repeat", type=Positive, default=3, help="runs, of which the medians are shown, of problems with up "
                        "to a million unknowns; one of larger ones (default 3)")
     bench.add_argument("--only", metavar="WORD", default="", help="only benches with this word in their names")

@@ -39,7 +39,7 @@ class Compliance:
         self.iterative = disc.inversekind == "iterative"
         self._inverse = disc.inverse if stiffness is None else self._Factorise()
 
-    def Meet(self, displacement, traction, *, load=1.0, near=None, step=None):
+    def Meet(self, displacement, traction, *, load=1.0, near=None, step=0.0):
         """(Equilibrium, s, S_D s): the one that meets t = traction + D (u - displacement), by one application of the inverse.
 
         near : an Equilibrium of the same load; the difference to it is computed, s that of t - D u (n, d)
@@ -70,7 +70,7 @@ class Compliance:
     def _Approach(self, near, displacement, traction, left, step=0.0):
         """Coefficients of u from those of an Equilibrium, to a residual `left`; what that one lacks is made up for."""
         load = near.load * self.disc.load + self.contact.Load(self.Restoring(displacement) - traction)
-        return self._Solve(load, tol=max(left / np.linalg.norm(load), EXACT), start=near.vector + step)
+        return self._Solve(load, tol=max(left / (np.linalg.norm(load) or 1), EXACT), start=near.vector + step)
 
     def Response(self, s):
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""

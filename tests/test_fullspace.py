@@ -62,3 +62,17 @@ def test_nothing_to_solve():
     whole = FullSpace(Compliance(disc, stiffness), disc.contact.weights)
     s, image = whole.Solve(lambda image, s: Apply(P, image), np.zeros_like(disc.contact.normals), tol=1e-2, maxiter=20)
     assert not np.any(s) and not np.any(image) and not np.any(whole.displacement) and whole.iterations == 0
+
+
+def test_an_iterated_equilibrium_makes_up_for_what_the_one_before_lacks():
+    """Each is left inexact, the same one again comes closer, and `Exact` is; also where there is nothing to carry."""
+    disc, stiffness, *_ = Equation()
+    compliance, n = Compliance(disc, stiffness), disc.contact.normals
+    exact = Compliance(Discretization(disc.problem, disc.method, disc.mesh, inverse="sparsecholesky"), stiffness).Meet(n, n)[0]
+    first, *_ = compliance.Meet(n, n)
+    last = compliance.Exact(n, n, compliance.Meet(n, n, near=first)[0])
+    errors = [np.abs(one.vector - exact.vector).max() / np.abs(exact.vector).max() for one in (first, last)]
+    assert errors[1] < 1e-8 < errors[0] < 1e-2
+    disc.loads = {}
+    unloaded, *_ = compliance.Meet(0 * n, 0 * n, near=compliance.Meet(0 * n, 0 * n)[0])
+    assert np.abs(unloaded.vector).max() == 0

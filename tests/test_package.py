@@ -36,7 +36,7 @@ LAYERS = [["exceptions", "report", "parallel", "peers"], ["arguments", "coeffici
           ["atlas"], ["bench"],
           ["accuracy", "atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output",
            "stabilitystudy", "sweep", "table3"],
-          ["studies"], ["benchcommands"], ["cli"]]
+          ["studies"], ["benchcommands"], ["cli"], ["exercises.__init__"]]
 
 
 def test_tests_run_against_the_installed_package():

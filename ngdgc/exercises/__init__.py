@@ -1,0 +1,1 @@
+"""Exercises of the notebooks, and the checker that grades answers."""

@@ -22,8 +22,10 @@ class SemismoothNewtonSolver:
     contains the dependence of the friction bound on the penetration and is not symmetric.
 
     * Linear equations by conjugate residuals that recycle all products with S (`recycling`) and are preconditioned by d x d
-      blocks at the points; to a relative residual of 1e-3, and to the tolerance of the whole where a step stays on one smooth
+      blocks at the points; to a relative residual of 3e-3, and to the tolerance of the whole where a step stays on one smooth
       piece of the graph.
+    * From there the contact problem with all that these products tell of S is solved, which costs nothing (`reduced`), checked
+      by one application, and again as long as that helps: zones that change need no further Newton step.
     * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
       a body that nothing but its foundation holds.
     * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls and no start was given, the load is raised in

@@ -31,6 +31,10 @@ class Recycled:
             self.tractions = self.tractions[1 - MEMORY:] + [(s - self.compliance.Restoring(image)) / length]
             self.images = self.images[1 - MEMORY:] + [image / length]
 
+    def Pairs(self):
+        """All (s, S_D s) for the present D, as arrays (m, n, d)."""
+        return np.array([t + self.compliance.Restoring(y) for t, y in zip(self.tractions, self.images)]), np.array(self.images)
+
     @Batched
     def Solve(self, Local, b, *, tol, maxiter):
         """(s, S_D s) with |b - M s| <= tol |b| in L2(Gamma_C), M s = s + Local(S_D s, s); at most maxiter new applications.
@@ -40,8 +44,7 @@ class Recycled:
         basis = _Basis(b.size)
         goal = tol * np.linalg.norm(self.root * b)
         if self.tractions:
-            s = np.array([t + self.compliance.Restoring(y) for t, y in zip(self.tractions, self.images)])
-            y = np.array(self.images)
+            s, y = self.Pairs()
             basis.AddMany([(self.root * (si + Local(yi, si))).ravel() for si, yi in zip(s, y)],
                           s.reshape(len(s), -1), y.reshape(len(y), -1))
         residual = (self.root * b).ravel()

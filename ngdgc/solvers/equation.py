@@ -1,0 +1,31 @@
+"""Newton's equation at a point of the graph of the law, without the unknowns that can be eliminated point by point."""
+
+import numpy as np
+
+from ..compliance import Apply
+
+
+class PointwiseEquation:
+    """dU/dq dq + S_D (dt/dq - D dU/dq) dq = -F in terms of s = (dt/dq - D dU/dq) dq.
+
+    Eliminating dq with S_D replaced by its blocks B at the points leaves s + P (S_D - B) s = -P F, which concerns only the
+    points where D misses the slope of the law.
+
+    point : `graph.GraphPoint`;  scale (n,) of the graph, stiffness D and blocks B (n, d, d);  P (n, d, d)
+    """
+
+    def __init__(self, point, scale, stiffness, blocks):
+        slope = point.derivative
+        relief = (np.eye(slope.shape[1]) - slope) / scale[:, None, None]    # dU/dq
+        shifted = slope - stiffness @ relief                                # ds/dq
+        self.blocks = blocks
+        self.inverse = np.linalg.inv(relief + blocks @ shifted)
+        self.P = shifted @ self.inverse
+
+    def Local(self, image, s):
+        """P (S_D - B) s of image = S_D s, (n, d)."""
+        return Apply(self.P, image - Apply(self.blocks, s))
+
+    def Step(self, F, rest):
+        """dq (n, d) of rest = (S_D - B) s."""
+        return -Apply(self.inverse, rest + F)

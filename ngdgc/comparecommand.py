@@ -49,8 +49,8 @@ def Compare(options, case):
 
 
 def Table(solutions):
-    """A line of text for each of {label: solution}: its size and cost, on Gamma_C the largest |u| [length] and p_n [stress], and
-    the integral of p_n; the elastic energy."""
+    """A line of text for each of {label: solution}: its size and cost, the elastic energy, and on Gamma_C the largest |u|
+    [length] and p_n [stress], and the integral of p_n."""
     rows = [TITLES]
     for label, solution in solutions.items():
         last = solution.history[-1]

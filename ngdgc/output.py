@@ -16,9 +16,9 @@ class Progress:
     """A callback that shows how an iteration goes: `solver.Solve(disc, callback=Progress())`.
 
     In a terminal one line is rewritten, cut to its width; in a notebook one line of output is updated, at most ten times a
-    second; in a file or a pipe the first and every tenth iteration are a line each, written at once.  The line is complete
-    and what is printed next begins on a new one, so nothing has to be closed; `Close()` shows the last iteration where it was
-    left out.  One object may follow several solves.
+    second and at the end of the cell; in a file or a pipe the first and every tenth iteration are a line each, written at
+    once.  What is printed next begins on a new line, so nothing has to be closed; `Close()` shows the last iteration where it
+    was left out.  One object may follow several solves.
 
     stream : where to write; None: the notebook or the standard output.  One that is closed, also a pipe whose reader has gone,
         silences the progress and does not disturb the iteration
@@ -34,7 +34,7 @@ class Progress:
     """
 
     def __init__(self, stream=None):
-        self.display = _Display() if stream is None else None
+        self.display = _Display(self.Close) if stream is None else None
         self.stream = sys.stdout if stream is None else stream
         self.live = self.display is None and self.stream.isatty() and os.environ.get("TERM") != "dumb"
         self.step, self.shown, self.time = None, None, 0.0
@@ -73,14 +73,21 @@ class Progress:
             self.stream, self.live = open(os.devnull, "w"), False
 
 
-def _Display():
-    """In a notebook, a function (line, update) that shows a line or replaces the last one shown; elsewhere None."""
+def _Display(Close):
+    """In a notebook, a function (line, update) that shows a line or replaces the last one shown; elsewhere None.
+
+    `Close` is called at the end of the cell.
+    """
     shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     if not hasattr(shell, "kernel"):
         return None
     from IPython.display import display
 
     handle = None
+
+    def AtEnd(*_):
+        shell.events.unregister("post_run_cell", AtEnd)
+        Close()
 
     def Display(line, update):
         nonlocal handle
@@ -89,6 +96,7 @@ def _Display():
             handle.update(content, raw=True)
         else:
             handle = display(content, raw=True, display_id=True)
+            shell.events.register("post_run_cell", AtEnd)
     return Display
 
 

@@ -21,6 +21,8 @@ def Formula(function):
     >>> Formula(CF((200 * (5 - y), -190))), Formula(sin(x) / 2 - y)
     ('(200*(5 - y), -190)', '0.5*sin(x) - y')
     """
+    if str(function) == "ZeroCoefficientFunction":
+        return "0" if function.dim == 1 else str((0,) * function.dim)
     text = re.sub(r"^(-?[\d.e+-]+)\*\((.*?)\n?\)$", r"coef scale \1\n\2", str(function).strip(), flags=re.S)
     first, *others = text.splitlines()
     if first.startswith("coef scale"):

@@ -1,7 +1,6 @@
 """A solution as a page of text and as a dictionary of plain numbers."""
 
 from dataclasses import asdict
-from importlib.metadata import version
 
 import numpy as np
 
@@ -42,6 +41,8 @@ def Plain(value):
 
 def Summary(solution):
     """The numbers of the report, as the `SCHEMA` says."""
+    from importlib.metadata import version      # slow to import
+
     disc = solution.disc
     last = solution.history[-1] if solution.history else None
     slip = np.linalg.norm(solution.slip, axis=1)

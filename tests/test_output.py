@@ -255,7 +255,8 @@ def test_progress_loads_no_notebook():
     (100 * (1 + x), "100*(x + 1)"), (CF((200 * (5 - y), -190)), "(200*(5 - y), -190)"), (CF((0, -1)), "(0, -1)"),
     (sin(x) * 2 - y / 4, "2*sin(x) - 0.25*y"), (x - (y - 1), "x - (y - 1)"), (x - y - 1, "x - y - 1"), (x / (y * x), "x/(y*x)"),
     (-x, "-x"), (-(x + y), "-(x + y)"), (IfPos(x - 1, 1, 2), "IfPos(x - 1, 1, 2)"), (CF(3), "3"),
-    (Parameter(2), "Parameter(2)"), (sqrt(x * x + y * y), "sqrt(x*x + y*y)"), (x * (y * 2), "x*2*y"), (CF((x, y)) * 2, "2*(x, y)"),
+    (Parameter(2), "Parameter(2)"), (sqrt(x * x + y * y), "sqrt(x*x + y*y)"),
+    (x * (y * 2), "x*2*y"), (CF((x, y)) * 2, "2*(x, y)"),
     (specialcf.normal(2), "CF(dim=2)"), (specialcf.mesh_size, "CF(...)"), (x**40, "CF(...)"),
     (CF((0, 0)), "(0, 0)"), (CF(0), "0")])
 def test_coefficients_read_as_they_are_written(function, text):
@@ -279,7 +280,7 @@ def test_every_object_says_what_it_is(solution):
                                 "friction=CoulombFriction(coefficient=0.4), gap=0.1*x)")
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": (0, -0.1)}, bodyforce=(0, -1))
     assert repr(problem) == (f"ContactProblem(material=HookeMaterial(E=1000, nu=0.3, plane='strain'), "
-                             f"foundation=({foundation!r},), dirichlet={'top': (0, -0.1)}, bodyforce=(0, -1))")
+                             f"foundation=({foundation!r},), " "dirichlet={'top': (0, -0.1)}, bodyforce=(0, -1))")
     written = [HookeMaterial(mu=1, lam=2), HookeMaterial(E=5, nu=0.25, plane="stress"), PowerFriction(2, 0.5),
                TrescaFriction(1),
                AnisotropicMaterial([[3, 1, 0], [1, 3, 0], [0, 0, 1]]), NormalCompliance(3, 0.5), CoulombFriction(0.3),

@@ -43,8 +43,8 @@ def Frame(axes):
     for _ in range(3):
         axes.autoscale_view()
         shape = np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())
-        height = np.clip(6.2 * shape, 1.8, 5.2)
-        figure.set_size_inches(np.clip(height / shape, 4.4, 6.2) + 0.8, height + 0.8)
+        height = np.clip((WIDTH - 0.8) * shape, 1.8, 5.0)
+        figure.set_size_inches(np.clip(height / shape, 4.4, WIDTH - 0.8) + 0.8, height + 0.8)
         figure.draw_without_rendering()
         for text in axes.texts:
             axes.update_datalim(axes.transData.inverted().transform(text.get_window_extent().get_points()))

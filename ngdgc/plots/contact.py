@@ -6,7 +6,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..graph import ZONES
-from .canvas import BLUE, GREEN, VERMILION, ZONE_COLOURS
+from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS
 from .curves import GAP, Along, Left
 from .solid import ContactMaps
 
@@ -24,7 +24,7 @@ def ContactFigure(solution, *, slip=False):
         return ContactMaps(solution)
     tangent = Left(solution.normals)
     rows = ["p", "t", "u", "r"] if slip else ["p", "t", "r"]
-    figure = Figure(figsize=(max(7, 4.5 * len(contact.parts)), 1 + 1.35 * len(rows)), layout="constrained")
+    figure = Figure(figsize=(max(WIDTH, 3.5 * len(contact.parts)), 1 + 1.35 * len(rows)), layout="constrained")
     grid = figure.subplots(len(rows) + 1, len(contact.parts), sharex="col", squeeze=False,
                            height_ratios=[1] * len(rows) + [0.15])
     values = {"p": solution.pressure, "t": np.sum(solution.friction * tangent, axis=1),
@@ -47,7 +47,7 @@ def ContactFigure(solution, *, slip=False):
     figure.align_ylabels(grid[:-1])
     handles = [Line2D([], [], linestyle="--", color="#444444", linewidth=1, label="bounds $\\pm p_t$ of friction")]
     handles += [Patch(color=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)]
-    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, columnspacing=1)
     return figure
 
 

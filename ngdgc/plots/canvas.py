@@ -10,6 +10,8 @@ from .curves import Left, Outline
 BLUE, ORANGE, VERMILION, GREEN, RED = "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC3311"
 SKY, PURPLE = "#56B4E9", "#CC79A7"
 ZONE_COLOURS = ("#DDDDDD", BLUE, ORANGE)      # separation, stick, slip
+FOUNDATION_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
+WIDTH = 5.8     # of a figure [inch]: its 10 pt letters have 6 pt in a column of 3.5 inch
 THICKNESS = 0.18    # of a foundation block, relative to the body
 
 
@@ -21,6 +23,19 @@ def PlaneAxes():
     return figure, axes
 
 
+def Panel(axes, **settings):
+    """Axes without a frame on the right and on top, over a pale grid."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#DDDDDD", linewidth=0.6)
+    axes.set(axisbelow=True, **settings)
+    return axes
+
+
+def Unconverged(solution):
+    """What the title of a figure adds."""
+    return "" if solution.converged else ", NOT CONVERGED"
+
+
 def Frame(axes):
     """Limits around everything, texts included, and a figure of the same shape."""
     figure = axes.figure
@@ -28,8 +43,8 @@ def Frame(axes):
     for _ in range(3):
         axes.autoscale_view()
         shape = np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())
-        height = np.clip(6.2 * shape, 1.8, 5.2)
-        figure.set_size_inches(np.clip(height / shape, 4.4, 6.2) + 0.8, height + 0.8)
+        height = np.clip((WIDTH - 0.8) * shape, 1.8, 5.0)
+        figure.set_size_inches(np.clip(height / shape, 4.4, WIDTH - 0.8) + 0.8, height + 0.8)
         figure.draw_without_rendering()
         for text in axes.texts:
             axes.update_datalim(axes.transData.inverted().transform(text.get_window_extent().get_points()))

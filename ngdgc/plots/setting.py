@@ -143,7 +143,7 @@ class _Symbols:
             middle = x[1] + g[1, 0] / 2 * n[1]
             self.axes.annotate("", x[1], x[1] + g[1, 0] * n[1], arrowprops={
                 "arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7, "linewidth": 0.9})
-            self.axes.text(*(middle + 0.025 * self.size * Left(n[1])), "g", ha="center", va="center", fontsize=9)
+            self.axes.text(*(middle + 0.04 * self.size * Left(n[1])), "g", ha="center", va="center", fontsize=9)
         gap = _Values(ValuesAt, foundation.gap, curves, "gap")
         return f"foundation\n{_Span('g', gap)}", g[len(g) // 2, 0] + Thickness(self.disc, curve)
 

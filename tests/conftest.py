@@ -1,5 +1,11 @@
 """Things every test file uses."""
 
+import os
+
+# Processes side by side must not start threads of their own: theirs wait for each other busily.  Libraries read this once.
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.update(NGS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")
+
 import numpy as np
 import pytest
 from ngsolve import CF, GridFunction, y

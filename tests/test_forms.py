@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from conftest import METHODS, Example, Interpolate
+from conftest import METHODS, AddSides, Example, Interpolate
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (CF, ConvertOperator, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, Mesh, ds, sin,
@@ -35,9 +35,7 @@ def Mixed():
     domain = mesh.AddRegion("domain", dim=2)
     mesh.AddElements(dim=2, index=domain, data=np.array([[0, 1, 4, 3], [3, 4, 6, 5]], dtype=np.int32), base=0)
     mesh.AddElements(dim=2, index=domain, data=np.array([[1, 2, 4], [4, 2, 7], [4, 7, 6]], dtype=np.int32), base=0)
-    sides = {"bottom": [[0, 1], [1, 2]], "right": [[2, 7]], "top": [[7, 6], [6, 5]], "left": [[5, 3], [3, 0]]}
-    for name, edges in sides.items():
-        mesh.AddElements(dim=1, index=mesh.AddRegion(name, dim=1), data=np.array(edges, dtype=np.int32), base=0)
+    AddSides(mesh, {"bottom": [[0, 1], [1, 2]], "right": [[2, 7]], "top": [[7, 6], [6, 5]], "left": [[5, 3], [3, 0]]})
     return Mesh(mesh)
 
 

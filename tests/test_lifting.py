@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import ROWS, Example, Interpolate
+from conftest import ROWS, AddSides, Example, Interpolate
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (CF, L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, LinearForm, MatrixValued, Mesh, VectorL2,
@@ -183,8 +183,7 @@ def test_two_elements_with_two_facets_in_common():
     mesh.AddPoints(np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 2, 0], [1, -2, 0]], dtype=float))
     cells = mesh.AddRegion("body", dim=2)
     mesh.AddElements(dim=2, index=cells, data=np.array([[0, 1, 2, 3], [0, 4, 2, 1]], dtype=np.int32), base=0)
-    for name, edges in {"right": [[2, 3], [4, 2]], "left": [[3, 0]], "bottom": [[0, 4]]}.items():
-        mesh.AddElements(dim=1, index=mesh.AddRegion(name, dim=1), data=np.array(edges, dtype=np.int32), base=0)
+    AddSides(mesh, {"right": [[2, 3], [4, 2]], "left": [[3, 0]], "bottom": [[0, 4]]})
     mesh = Mesh(mesh)
     for row in ROWS:
         facet, skeleton = (Discretization(Supported(mesh), row(), mesh, order=1, assembly=route)

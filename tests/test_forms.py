@@ -10,8 +10,8 @@ from ngsolve import (CF, ConvertOperator, Grad, GridFunction, IfPos, InnerProduc
                      specialcf, x, y)
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization,
-                   Foundation, HookeMaterial, InteriorPenalty, Lifting, NormalCompliance, UzawaSolver)
+from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation,
+                   HookeMaterial, InteriorPenalty, Lifting, NormalCompliance, SemismoothNewtonSolver)
 from ngdgc.elasticity import Strain
 from ngdgc.exact import BodyForce, Traction
 from ngdgc.facets import Csr
@@ -192,7 +192,7 @@ def test_winkler_column_on_an_incline(angle, method):
     u = -(depth + e * height) * axis
     problem = ContactProblem(HookeMaterial(mu=mu, lam=lam), Foundation("bottom", NormalCompliance(k), gap=gap),
                              roller={"left|right": 0, "top": -(depth + e)})
-    solution = UzawaSolver(tol=1e-11).Solve(Discretization(problem, method, Tilted(angle), order=1))
+    solution = SemismoothNewtonSolver(tol=1e-11).Solve(Discretization(problem, method, Tilted(angle), order=1))
     difference = solution.gfu - u
     assert np.sqrt(Integrate(InnerProduct(difference, difference), solution.disc.mesh)) < 1e-10
     assert solution.pressure == pytest.approx(pressure, rel=1e-9)
@@ -236,7 +236,7 @@ def test_lame_ring_with_curved_rollers_and_curved_contact(contact, method):
     errors = []
     for maxh in (0.5, 0.25):
         disc = Discretization(problem, method, Ring(3, maxh), order=3)
-        solution = UzawaSolver(tol=1e-10).Solve(disc)
+        solution = SemismoothNewtonSolver(tol=1e-10).Solve(disc)
         difference = solution.gfu - u
         errors.append(np.sqrt(Integrate(InnerProduct(difference, difference), disc.mesh, order=8)))
         exact = k * (sign * (A * a + B / a) - gap)

@@ -1,5 +1,7 @@
 """The liftings, and the four methods in their two forms and routes of assembly: identities to round-off."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from conftest import ROWS, AddSides, Example, Interpolate
@@ -76,6 +78,7 @@ def Relative(a, b):
     return abs(Csr(a.form.Matrix()) - Csr(b.form.Matrix())).max() / abs(Csr(a.form.Matrix())).max()
 
 
+@cache     # no test changes a mesh
 def Meshes():
     return {"triangle": Distorted("triangle"), "mixed": Distorted("mixed"),
             "quad": RectangleMesh(2, cells="quad", upper=(1, 0.4)), "tet": Cube("tet"), "hex": Cube("hex"),
@@ -105,6 +108,7 @@ def test_edge_form_is_lifting_form_is_skeleton_form(name, order):
                     Discretization(problem, BassiEtAl(), mesh, order=order)) > 1e-3
 
 
+@cache     # no test changes a mesh
 def Hard():
     """Meshes and materials on which C eps(V_h) does not lie in Q_h: {name: (mesh, material, supports)}."""
     skewed = MakeStructured3DMesh(hexes=True, nx=2, ny=1, nz=1, mapping=lambda s, t, r: (s + 0.2 * r, t * (1 + s / 3), r))

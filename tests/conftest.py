@@ -3,21 +3,17 @@
 import os
 
 # Processes side by side must not start threads of their own: theirs wait for each other busily.  Libraries read this once.
-SIDEBYSIDE = "PYTEST_XDIST_WORKER" in os.environ
-if SIDEBYSIDE:
+if "PYTEST_XDIST_WORKER" in os.environ:
     os.environ.update(NGS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")
 
 import numpy as np
 import pytest
 from netgen.meshing import Element1D
-from ngsolve import CF, GridFunction, SetHeapSize, y
+from ngsolve import CF, GridFunction, y
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, TrescaFriction)
 from ngdgc.cli import Main
-
-if SIDEBYSIDE:
-    SetHeapSize(20_000_000)     # that of two threads: of one it is too small for an interpolation of order 5 in 3D
 
 METHODS = [InteriorPenalty(), InteriorPenalty(penalty=30), Conforming()]
 

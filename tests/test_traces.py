@@ -180,4 +180,5 @@ def test_exact_solutions_know_their_zones(exact, order, upper, found):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_smooth_slip_knows_its_zone(dim):
     exact = SmoothSlip(dim=dim)
-    assert Violations(exact, exact.problem, Conforming(), RectangleMesh(2) if dim == 2 else BoxMesh(2, cells="hex"), 5)[2]
+    # On hexahedra the interpolation of this order needs more memory than NGSolve gives to one thread.
+    assert Violations(exact, exact.problem, Conforming(), RectangleMesh(2) if dim == 2 else BoxMesh(2, cells="prism"), 5)[2]

@@ -10,7 +10,7 @@ from ngsolve.meshes import MakeStructured3DMesh
 
 from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, ComplianceLaw, Conforming, CoulombFriction, Discretization,
                    Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, PowerFriction, ProblemError,
-                   SlipWeakeningFriction, TrescaFriction, UzawaSolver)
+                   SemismoothNewtonSolver, SlipWeakeningFriction, TrescaFriction)
 from ngdgc.errors import L2Error
 from ngdgc.exact import AffinePatch, CubicCompliance, ExactStrain, SmoothSlip, WinklerColumn
 from ngdgc.graph import SEPARATION, SLIP, STICK, Distance
@@ -75,7 +75,7 @@ def test_three_zones_are_found_by_a_solver():
     exact = ThreeZones()
 
     def Solve(problem, mesh, order=4, tol=1e-11):
-        return UzawaSolver(tol=tol).Solve(Discretization(problem, LDG(), mesh, order=order))
+        return SemismoothNewtonSolver(tol=tol).Solve(Discretization(problem, LDG(), mesh, order=order))
 
     solution = Solve(exact.problem, RectangleMesh(4))
     assert L2Error(solution, exact.displacement) < 1e-12        # of 5e-3

@@ -42,8 +42,8 @@ def Kind(disc, wanted):
     if wanted in SYMMETRIC and not disc.symmetric:
         raise ProblemError(f"inverse={wanted!r} is for symmetric matrices, and this form is not; take inverse='auto'")
     if wanted == "pardisospd" and not HasPardiso():
-        raise ProblemError("inverse='pardisospd' needs the library MKL; install it, pip install ngdgc[mkl], or take "
-                           "inverse='auto'")
+        raise ProblemError("inverse='pardisospd' needs the library MKL and NGSolve 6.2.2608 or newer; install them, "
+                           "pip install --upgrade ngdgc[mkl] ngsolve, or take inverse='auto'")
     return wanted
 
 
@@ -83,9 +83,12 @@ def Factorised(matrix, freedofs, kind, dim):
 
 @cache
 def HasPardiso():
-    """True if MKL's Pardiso can be used: NGSolve lists it even where it is missing."""
+    """True if MKL's Pardiso can be used: NGSolve lists it even where it is missing.
+
+    Before 6.2.2608 NGSolve's matrices have no flags, and that they are symmetric cannot be said.
+    """
     try:
         Factorised(SparseMatrixd.CreateFromCOO([0], [0], [1.0], 1, 1), None, "pardisospd", 2)
-    except RuntimeError:
+    except (AttributeError, RuntimeError):
         return False
     return True

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from netgen.meshing import Element1D, Element2D
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, ET, L2, VOL, ElementId, FacetFESpace, IntegrationRule, Mesh
 
@@ -79,7 +80,9 @@ class ReferenceCell:
         cell, side = mesh.AddRegion("cell", dim=self.dim), mesh.AddRegion("side", dim=self.dim - 1)
         mesh.AddElements(dim=self.dim, index=cell, data=np.array([rank], dtype=np.int32), base=0)
         for corners in FACETS[et]:
-            mesh.AddElements(dim=self.dim - 1, index=side, data=np.array([rank[list(corners)]], dtype=np.int32), base=0)
+            # One by one: in NGSolve 6.2.2604 edges that AddElements brings have no region.
+            vertices = (rank[list(corners)] + 1).tolist()
+            mesh.Add({2: Element1D, 3: Element2D}[self.dim](index=side, vertices=vertices))
         return Mesh(mesh)
 
     def _Facet(self, element, rank, degree, v, p, m):

@@ -1,7 +1,14 @@
 """Things every test file uses."""
 
+import os
+
+# Processes side by side must not start threads of their own: theirs wait for each other busily.  Libraries read this once.
+if "PYTEST_XDIST_WORKER" in os.environ:
+    os.environ.update(NGS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")
+
 import numpy as np
 import pytest
+from netgen.meshing import Element1D
 from ngsolve import CF, GridFunction, y
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Foundation, HookeMaterial, InteriorPenalty,
@@ -32,6 +39,14 @@ def Example(stiffness=450.0, *, plane="strain", friction=1.0, **replacements):
                  "foundation": Foundation("bottom", NormalCompliance(stiffness), friction=TrescaFriction(friction), gap=0.05),
                  "dirichlet": {"right": CF((0, 0))}, "traction": {"left": CF((200 * (5 - y), -190))}, **replacements}
     return ContactProblem(**arguments)
+
+
+def AddSides(mesh, sides):
+    """Named sides of a plane mesh of Netgen, {name: [(vertex, vertex), ...]}, counted from 0."""
+    for name, edges in sides.items():
+        region = mesh.AddRegion(name, dim=1)
+        for first, second in edges:     # not all at once: in NGSolve 6.2.2604 they would have no region
+            mesh.Add(Element1D(index=region, vertices=[first + 1, second + 1]))
 
 
 def Interpolate(disc, displacement):

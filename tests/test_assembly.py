@@ -1,5 +1,8 @@
 """Assembly in batches: parts of the elements, threads, connected parts of a mesh, bounds without matrices, memory."""
 
+import os
+import subprocess
+import sys
 import tracemalloc
 
 import numpy as np
@@ -51,6 +54,33 @@ def test_threads_change_no_digit(method):
     disc.form.operators.many = False
     assert np.array_equal(Csr(disc.form.Matrix()).data, threaded.data)
     assert not np.array_equal(Csr(disc.form.Norm()).data, threaded.data)
+
+
+WITHTHREADS = """import sys
+import numpy as np
+from ngsolve import TaskManager
+from pyngcore import GetNumThreads
+from ngdgc import Conforming, InteriorPenalty
+from ngdgc.cases import example_4_1
+from ngdgc.facets import THREADED
+assert example_4_1.Mesh(40).ne > THREADED
+with TaskManager():
+    print(GetNumThreads())
+np.savez(sys.argv[1], *(example_4_1.Main(method=method, n=40).displacement for method in (InteriorPenalty(), Conforming())))"""
+
+
+def test_threads_of_ngsolve_change_nothing_but_round_off(tmp_path):
+    """The processes in which tests run side by side have one thread, a user's has one for each processor."""
+    found = {}
+    for count in (1, 2):
+        done = subprocess.run([sys.executable, "-c", WITHTHREADS, f"{count}.npz"], capture_output=True, text=True, check=True,
+                              cwd=tmp_path, env={**os.environ, "NGS_NUM_THREADS": str(count)})
+        assert done.stdout.split() == [str(count)]
+        found[count] = list(np.load(tmp_path / f"{count}.npz").values())
+    scales = [np.abs(values).max() for values in found[1]]
+    # A factorisation with threads is the same to 3e-12; Newton's method stops at 1e-10.
+    assert all(np.abs(one - two).max() < 1e-9 * scale for one, two, scale in zip(found[1], found[2], scales))
+    assert np.abs(found[1][0].max() - found[2][1].max()) > 1e-6 * scales[0]       # another method's differs by more
 
 
 @pytest.mark.parametrize("cells", ["triangle", "tet"])

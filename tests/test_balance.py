@@ -7,7 +7,7 @@ from ngsolve import CF, exp, sin, x, y
 from test_forms import ORTHOTROPIC, Distorted, Ring, Tilted
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, TrescaFriction, UzawaSolver)
+                   NormalCompliance, SemismoothNewtonSolver, TrescaFriction)
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import RectangleMesh
 from ngdgc.resultants import RigidBasis
@@ -23,7 +23,7 @@ FORCED = {"bodyforce": CF((10 * sin(3 * y), -20 * exp(x))), "dirichlet": {"right
 @pytest.mark.parametrize("method", DG, ids=["auto", "30"])
 def test_every_element_balances_force_and_moment(method, cells, order):
     disc = Discretization(Example(**FORCED), method, Distorted(cells), order=order)
-    solution = UzawaSolver().Solve(disc)
+    solution = SemismoothNewtonSolver().Solve(disc)
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
     assert solution.GlobalImbalance() < 1e-10
 
@@ -32,7 +32,7 @@ def test_every_element_balances_force_and_moment(method, cells, order):
 @pytest.mark.parametrize("method", DG, ids=["auto", "30"])
 def test_a_flux_without_its_penalty_does_not_balance(method, part, monkeypatch):
     disc = Discretization(Example(**FORCED), method, Distorted("triangle"), order=1, assembly="skeleton")
-    solution = UzawaSolver().Solve(disc)
+    solution = SemismoothNewtonSolver().Solve(disc)
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
     monkeypatch.setattr(part, "Flux", part.Mean)
     assert np.abs(solution.ElementImbalance()).max() > 1e-3
@@ -41,13 +41,14 @@ def test_a_flux_without_its_penalty_does_not_balance(method, part, monkeypatch):
 @pytest.mark.parametrize("material", [HookeMaterial(E=900 * (1 + x), nu=0.3), ORTHOTROPIC], ids=["graded", "anisotropic"])
 def test_balance_with_other_materials(material, method):
     problem = Example(20.0, material=material, **FORCED)
-    solution = UzawaSolver().Solve(Discretization(problem, method, RectangleMesh(4), order=2))
+    solution = SemismoothNewtonSolver().Solve(Discretization(problem, method, RectangleMesh(4), order=2))
     assert solution.GlobalImbalance() < 1e-10
 
 
 @pytest.mark.parametrize("order", [1, 3])
 def test_conforming_reactions_balance_globally(order):
-    solution = UzawaSolver().Solve(Discretization(Example(**FORCED), Conforming(), Distorted("triangle"), order=order))
+    disc = Discretization(Example(**FORCED), Conforming(), Distorted("triangle"), order=order)
+    solution = SemismoothNewtonSolver().Solve(disc)
     assert solution.GlobalImbalance() < 1e-10
     support = next(resultant for resultant in solution.Resultants() if resultant.region == "right")
     force, moment = support.integrated
@@ -61,7 +62,7 @@ def test_conforming_reactions_balance_globally(order):
 def test_every_resultant_has_its_own_kind(method):
     """A roller with a tangential traction is both."""
     problem = Example(roller={"top": 0}, traction={"left": CF((5, 0)), "top": CF((3, 0))})
-    solution = UzawaSolver().Solve(Discretization(problem, method, RectangleMesh(3), order=1))
+    solution = SemismoothNewtonSolver().Solve(Discretization(problem, method, RectangleMesh(3), order=1))
     kinds = sorted((resultant.kind, resultant.region) for resultant in solution.Resultants())
     assert kinds == [("dirichlet", "right"), ("foundation", "bottom"), ("roller", "top"), ("traction", "left"),
                      ("traction", "top")]
@@ -72,7 +73,7 @@ def test_every_resultant_has_its_own_kind(method):
 def test_a_body_without_forces_balances(method):
     """All forces are round-off: nothing is out of balance."""
     exact = AffinePatch("open")
-    solution = UzawaSolver().Solve(Discretization(exact.problem, method, RectangleMesh(3), order=2))
+    solution = SemismoothNewtonSolver().Solve(Discretization(exact.problem, method, RectangleMesh(3), order=2))
     assert solution.GlobalImbalance() < 1e-10
     if method.discontinuous:
         assert np.abs(solution.ElementImbalance()).max() < 1e-10
@@ -80,14 +81,14 @@ def test_a_body_without_forces_balances(method):
 
 def test_corner_shared_by_two_supports_is_counted_once():
     problem = Example(dirichlet={"right": CF((0, 0)), "top": CF((0, -0.01))})
-    solution = UzawaSolver().Solve(Discretization(problem, Conforming(), RectangleMesh(4), order=2))
+    solution = SemismoothNewtonSolver().Solve(Discretization(problem, Conforming(), RectangleMesh(4), order=2))
     assert {resultant.region for resultant in solution.Resultants()} == {"right", "top", "left", "bottom"}
     assert solution.GlobalImbalance() < 1e-10
 
 
 def test_resultants_of_known_loads(method):
     """Traction (200 (5 - y), -190) on x = 0, 0 < y < 1: force (900, -190); moment about the origin -int y t_x."""
-    solution = UzawaSolver().Solve(Discretization(Example(), method, RectangleMesh(4), order=2))
+    solution = SemismoothNewtonSolver().Solve(Discretization(Example(), method, RectangleMesh(4), order=2))
     load, foundation = (next(r for r in solution.Resultants() if r.region == region) for region in ("left", "bottom"))
     assert load.force == pytest.approx([900, -190], rel=1e-10)
     assert load.moment == pytest.approx([-200 * (5 / 2 - 1 / 3)], rel=1e-10)
@@ -100,13 +101,13 @@ def test_inclined_and_curved_boundaries_balance(method):
     inclined = ContactProblem(HookeMaterial(E=2000, nu=0.3), Foundation("bottom", NormalCompliance(200), gap=0.01,
                                                                         friction=CoulombFriction(0.2)),
                               roller={"left": 0.0}, dirichlet={"top": CF((0.01, -0.05))}, traction={"right": CF((5, 3))})
-    solution = UzawaSolver().Solve(Discretization(inclined, method, Tilted(0.7), order=2))
+    solution = SemismoothNewtonSolver().Solve(Discretization(inclined, method, Tilted(0.7), order=2))
     assert solution.normalforce > 0.1 and solution.GlobalImbalance() < 1e-10
     around = Foundation("outer", NormalCompliance(50), friction=TrescaFriction(0.5))
     ring = ContactProblem(HookeMaterial(E=2000, nu=0.3), around, roller={"horizontal|vertical": 0},
                           traction={"inner": CF((x * 30, y * 40))})
     # Curve(order): the rigid rotation lies in the curved space, so moments balance too.
-    solution = UzawaSolver().Solve(Discretization(ring, method, Ring(3, 0.5), order=3))
+    solution = SemismoothNewtonSolver().Solve(Discretization(ring, method, Ring(3, 0.5), order=3))
     assert solution.normalforce > 1 and solution.GlobalImbalance() < 1e-10
     if method.discontinuous:
         assert np.abs(solution.ElementImbalance()).max() < 1e-10
@@ -115,6 +116,6 @@ def test_inclined_and_curved_boundaries_balance(method):
 def test_fluxes_are_single_valued_up_to_sign():
     """What one element receives through an interior facet, the other one gives: the interior part alone sums to zero."""
     disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(3), order=1)
-    solution = UzawaSolver().Solve(disc)
+    solution = SemismoothNewtonSolver().Solve(disc)
     flux = disc.form.Fluxes(solution.gfu)[None]
     assert np.abs(RigidBasis(disc.space) @ flux).max() < 1e-9 and np.abs(flux).max() > 1

@@ -1,5 +1,6 @@
 """Gamma_C: the trace matrix, loads, zones, several foundations, and data that vary in space."""
 
+from functools import cache
 from math import factorial
 
 import numpy as np
@@ -33,6 +34,7 @@ def Plate():
     return Mesh(OCCGeometry(face, dim=2).GenerateMesh(maxh=0.5)).Curve(3)
 
 
+@cache     # no test changes a mesh
 def Meshes():
     prisms = MakeStructured3DMesh(hexes=False, prism=True, nx=2, ny=2, nz=2)
     tets, hexes = (MakeStructured3DMesh(hexes=kind, nx=2, ny=2, nz=2) for kind in (False, True))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from test_uzawa import CASES
 
-from ngdgc import Conforming, Discretization, InteriorPenalty, UzawaSolver
+from ngdgc import Conforming, Discretization, InteriorPenalty, SemismoothNewtonSolver
 
 CORNER = {"4.1": (0, 0.05), "4.2": (0, 0)}
 # Plane strain, computed with a conforming code of its own.  Energy, int p_n, displacement of the lower left corner.
@@ -16,7 +16,7 @@ def references():
     """{(example, plane): (energy, int p_n, corner)}; plane stress is solved here with H1 of order 4 on the mesh 1/64."""
     values = {(name, "strain"): value for name, value in STRAIN.items()}
     for name, case in CASES.items():
-        solution = UzawaSolver().Solve(Discretization(case.Problem("stress"), Conforming(), case.Mesh(64), order=4))
+        solution = SemismoothNewtonSolver().Solve(Discretization(case.Problem("stress"), Conforming(), case.Mesh(64), order=4))
         values[name, "stress"] = solution.energy, solution.normalforce, solution.At(*CORNER[name])
     return values
 

@@ -7,7 +7,8 @@ from ngsolve import CF, L2, BilinearForm, GridFunction, Integrate, LinearForm, P
 from test_forms import GRADED, Distorted
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, IncompleteInteriorPenalty,
-                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, TrescaFriction, UzawaSolver)
+                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver,
+                   TrescaFriction)
 from ngdgc.facets import RigidMotions
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -42,7 +43,7 @@ def Unbalanced(solution, orientation):
 def test_fluxes_balance_on_every_element(mesh, material, method, assembly):
     """Force and moment of the fluxes and the body force vanish on each element; with the wrong orientation they do not."""
     disc = Discretization(Loaded(mesh.dim, material), method, mesh, order=2, assembly=assembly)
-    solution = UzawaSolver(tol=1e-11).Solve(disc)
+    solution = SemismoothNewtonSolver(tol=1e-11).Solve(disc)
     size = np.abs(Integrate(solution.disc.problem.traction["left"], mesh, definedon=mesh.Boundaries("left"))).max()
     assert np.abs(Unbalanced(solution, solution.disc.facets.orientation)).max() < 1e-10 * size
     assert np.abs(Unbalanced(solution, CF(1))).max() > 1e-2 * size
@@ -50,7 +51,7 @@ def test_fluxes_balance_on_every_element(mesh, material, method, assembly):
 
 
 def test_flux_on_the_boundary_is_the_traction_there(eight):
-    solution = UzawaSolver().Solve(Discretization(Loaded(2), eight, RectangleMesh(4), order=2))
+    solution = SemismoothNewtonSolver().Solve(Discretization(Loaded(2), eight, RectangleMesh(4), order=2))
     forces = {resultant.region: resultant.force for resultant in solution.Resultants() if resultant.region}
     assert set(forces) == {"right", "top", "left", "bottom"}
     for region, force in forces.items():
@@ -60,7 +61,7 @@ def test_flux_on_the_boundary_is_the_traction_there(eight):
 
 
 def test_conforming_method_has_no_flux():
-    solution = UzawaSolver().Solve(Discretization(Example(), Conforming(), RectangleMesh(2), order=1))
+    solution = SemismoothNewtonSolver().Solve(Discretization(Example(), Conforming(), RectangleMesh(2), order=1))
     with pytest.raises(ProblemError, match="H1 has no numerical flux"):
         solution.flux    # noqa: B018
 
@@ -71,9 +72,9 @@ def test_added_body_force_and_springs(method, assembly):
     """A LinearForm (b, v) is a body force; a BilinearForm (k u, v) a spring foundation in the volume."""
     mesh, force = RectangleMesh(4), CF((3, -40))
     problem = Example(20.0, friction=0.1)
-    given = UzawaSolver().Solve(Discretization(Example(20.0, friction=0.1, bodyforce=force), method, mesh, order=2))
+    given = SemismoothNewtonSolver().Solve(Discretization(Example(20.0, friction=0.1, bodyforce=force), method, mesh, order=2))
     disc = Discretization(problem, method, mesh, order=2, assembly=assembly)
-    added = UzawaSolver().Solve(disc.Add(LinearForm(force * disc.space.TestFunction() * dx)))
+    added = SemismoothNewtonSolver().Solve(disc.Add(LinearForm(force * disc.space.TestFunction() * dx)))
     assert np.abs(added.vector - given.vector).max() < 1e-9 * np.abs(given.vector).max()
     assert added.GlobalImbalance() < 1e-10
 
@@ -81,7 +82,7 @@ def test_added_body_force_and_springs(method, assembly):
     u, v = disc.space.TnT()
     springs = BilinearForm(disc.space)
     springs += 2000 * u * v * dx
-    held = UzawaSolver().Solve(disc.Add(springs))
+    held = SemismoothNewtonSolver().Solve(disc.Add(springs))
     assert held.GlobalImbalance() < 1e-10
     assert np.abs(held.vector - given.vector).max() > 0.1 * np.abs(given.vector).max()
     if method.discontinuous:
@@ -109,7 +110,7 @@ def test_added_forms_that_do_not_fit_are_refused():
     negative += -1e5 * u * v * dx
     with pytest.raises(ProblemError, match="with the forms that were added B_h is not coercive"):
         disc.Add(negative).matrix    # noqa: B018
-    solved = UzawaSolver().Solve(Discretization(Example(), LDG(), RectangleMesh(2), order=1)).disc
+    solved = SemismoothNewtonSolver().Solve(Discretization(Example(), LDG(), RectangleMesh(2), order=1)).disc
     with pytest.raises(ProblemError, match="the matrix or the load is there already"):
         solved.Add(BilinearForm(solved.space))
 
@@ -120,7 +121,7 @@ def test_unsymmetric_added_form_is_solved():
     u, v = disc.space.TnT()
     convection = BilinearForm(disc.space)
     convection += 300 * (grad(u) * CF((1, 0))) * v * dx
-    solution = UzawaSolver().Solve(disc.Add(convection))
+    solution = SemismoothNewtonSolver().Solve(disc.Add(convection))
     assert not disc.symmetric
     function = GridFunction(disc.space)
     function.vec.FV().NumPy()[:] = solution.vector

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 import scipy.linalg
-from conftest import METHODS, Example, Interpolate
+from conftest import METHODS, AddSides, Example, Interpolate
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (CF, ConvertOperator, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, Mesh, ds, sin,
                      specialcf, x, y)
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization,
-                   Foundation, HookeMaterial, InteriorPenalty, Lifting, NormalCompliance, UzawaSolver)
+from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation,
+                   HookeMaterial, InteriorPenalty, Lifting, NormalCompliance, SemismoothNewtonSolver)
 from ngdgc.elasticity import Strain
 from ngdgc.exact import BodyForce, Traction
 from ngdgc.facets import Csr
@@ -35,9 +35,7 @@ def Mixed():
     domain = mesh.AddRegion("domain", dim=2)
     mesh.AddElements(dim=2, index=domain, data=np.array([[0, 1, 4, 3], [3, 4, 6, 5]], dtype=np.int32), base=0)
     mesh.AddElements(dim=2, index=domain, data=np.array([[1, 2, 4], [4, 2, 7], [4, 7, 6]], dtype=np.int32), base=0)
-    sides = {"bottom": [[0, 1], [1, 2]], "right": [[2, 7]], "top": [[7, 6], [6, 5]], "left": [[5, 3], [3, 0]]}
-    for name, edges in sides.items():
-        mesh.AddElements(dim=1, index=mesh.AddRegion(name, dim=1), data=np.array(edges, dtype=np.int32), base=0)
+    AddSides(mesh, {"bottom": [[0, 1], [1, 2]], "right": [[2, 7]], "top": [[7, 6], [6, 5]], "left": [[5, 3], [3, 0]]})
     return Mesh(mesh)
 
 
@@ -194,7 +192,7 @@ def test_winkler_column_on_an_incline(angle, method):
     u = -(depth + e * height) * axis
     problem = ContactProblem(HookeMaterial(mu=mu, lam=lam), Foundation("bottom", NormalCompliance(k), gap=gap),
                              roller={"left|right": 0, "top": -(depth + e)})
-    solution = UzawaSolver(tol=1e-11).Solve(Discretization(problem, method, Tilted(angle), order=1))
+    solution = SemismoothNewtonSolver(tol=1e-11).Solve(Discretization(problem, method, Tilted(angle), order=1))
     difference = solution.gfu - u
     assert np.sqrt(Integrate(InnerProduct(difference, difference), solution.disc.mesh)) < 1e-10
     assert solution.pressure == pytest.approx(pressure, rel=1e-9)
@@ -238,7 +236,7 @@ def test_lame_ring_with_curved_rollers_and_curved_contact(contact, method):
     errors = []
     for maxh in (0.5, 0.25):
         disc = Discretization(problem, method, Ring(3, maxh), order=3)
-        solution = UzawaSolver(tol=1e-10).Solve(disc)
+        solution = SemismoothNewtonSolver(tol=1e-10).Solve(disc)
         difference = solution.gfu - u
         errors.append(np.sqrt(Integrate(InnerProduct(difference, difference), disc.mesh, order=8)))
         exact = k * (sign * (A * a + B / a) - gap)

@@ -87,7 +87,7 @@ def test_what_does_not_fit_is_refused_before_it_is_begun(monkeypatch):
 
 def test_a_choice_that_cannot_be_names_the_remedy(monkeypatch):
     monkeypatch.setattr(inverses, "HasPardiso", lambda: False)
-    with pytest.raises(ProblemError, match=r"pip install ngdgc\[mkl\]"):
+    with pytest.raises(ProblemError, match=r"needs the library MKL and NGSolve .*pip install .*ngdgc\[mkl\]"):
         Disc(LDG(), "pardisospd").Solve()
     with pytest.raises(ProblemError, match="inverse is 'lu'; choose auto, sparsecholesky"):
         Disc(LDG(), "lu").Solve()

@@ -1,8 +1,10 @@
 """The liftings, and the four methods in their two forms and routes of assembly: identities to round-off."""
 
+from functools import cache
+
 import numpy as np
 import pytest
-from conftest import ROWS, Example, Interpolate
+from conftest import ROWS, AddSides, Example, Interpolate
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (CF, L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, LinearForm, MatrixValued, Mesh, VectorL2,
@@ -76,6 +78,7 @@ def Relative(a, b):
     return abs(Csr(a.form.Matrix()) - Csr(b.form.Matrix())).max() / abs(Csr(a.form.Matrix())).max()
 
 
+@cache     # no test changes a mesh
 def Meshes():
     return {"triangle": Distorted("triangle"), "mixed": Distorted("mixed"),
             "quad": RectangleMesh(2, cells="quad", upper=(1, 0.4)), "tet": Cube("tet"), "hex": Cube("hex"),
@@ -105,6 +108,7 @@ def test_edge_form_is_lifting_form_is_skeleton_form(name, order):
                     Discretization(problem, BassiEtAl(), mesh, order=order)) > 1e-3
 
 
+@cache     # no test changes a mesh
 def Hard():
     """Meshes and materials on which C eps(V_h) does not lie in Q_h: {name: (mesh, material, supports)}."""
     skewed = MakeStructured3DMesh(hexes=True, nx=2, ny=1, nz=1, mapping=lambda s, t, r: (s + 0.2 * r, t * (1 + s / 3), r))
@@ -183,8 +187,7 @@ def test_two_elements_with_two_facets_in_common():
     mesh.AddPoints(np.array([[0, 0, 0], [1, 0, 0], [2, 0, 0], [1, 2, 0], [1, -2, 0]], dtype=float))
     cells = mesh.AddRegion("body", dim=2)
     mesh.AddElements(dim=2, index=cells, data=np.array([[0, 1, 2, 3], [0, 4, 2, 1]], dtype=np.int32), base=0)
-    for name, edges in {"right": [[2, 3], [4, 2]], "left": [[3, 0]], "bottom": [[0, 4]]}.items():
-        mesh.AddElements(dim=1, index=mesh.AddRegion(name, dim=1), data=np.array(edges, dtype=np.int32), base=0)
+    AddSides(mesh, {"right": [[2, 3], [4, 2]], "left": [[3, 0]], "bottom": [[0, 4]]})
     mesh = Mesh(mesh)
     for row in ROWS:
         facet, skeleton = (Discretization(Supported(mesh), row(), mesh, order=1, assembly=route)

@@ -9,7 +9,7 @@ from test_lifting import Cube
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
                    IncompleteInteriorPenalty, InteriorPenalty, Lifting, NonsymmetricInteriorPenalty, NormalCompliance,
-                   ProblemError, TrescaFriction, UzawaSolver)
+                   ProblemError, SemismoothNewtonSolver, TrescaFriction)
 from ngdgc.errors import EnergyError, L2Error, Rates
 from ngdgc.exact import AffinePatch, SmoothSlip
 from ngdgc.facetform import FacetForm
@@ -17,7 +17,7 @@ from ngdgc.facets import Csr
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.penalty import MARGIN
 
-SOLVER = UzawaSolver(tol=1e-11)
+SOLVER = SemismoothNewtonSolver(tol=1e-11)
 
 
 @pytest.mark.parametrize("cells", ["triangle", "quad", "mixed"])
@@ -58,7 +58,7 @@ def test_unsymmetric_methods(row, form, penalty):
     smooth, energy = SmoothSlip(), []
     for n in (4, 8):
         disc = Discretization(smooth.problem, row(form=form, penalty=penalty), RectangleMesh(n), order=1)
-        energy.append(EnergyError(UzawaSolver().Solve(disc), smooth.displacement))
+        energy.append(EnergyError(SemismoothNewtonSolver().Solve(disc), smooth.displacement))
     assert Rates(energy)[0] == pytest.approx(1, abs=0.15)
 
 
@@ -98,7 +98,7 @@ def test_weighting_of_a_given_penalty():
 def test_smooth_slip_converges_at_full_rates(method, order):
     exact, energy, l2 = SmoothSlip(), [], []
     for n in (4, 8):
-        solution = UzawaSolver(tol=1e-10).Solve(Discretization(exact.problem, method, RectangleMesh(n), order=order))
+        solution = SemismoothNewtonSolver(tol=1e-10).Solve(Discretization(exact.problem, method, RectangleMesh(n), order=order))
         energy.append(EnergyError(solution, exact.displacement))
         l2.append(L2Error(solution, exact.displacement))
     assert Rates(energy)[0] == pytest.approx(order, abs=0.15)
@@ -117,13 +117,13 @@ def test_balance_where_the_two_forms_differ(mesh, material, eight):
     problem = ContactProblem(material or HookeMaterial(E=200, nu=0.3),
                              Foundation(bottom, NormalCompliance(10), friction=TrescaFriction(0.2)),
                              bodyforce=CF((x, -y)), **regions)
-    solution = UzawaSolver().Solve(Discretization(problem, eight, mesh, order=3))
+    solution = SemismoothNewtonSolver().Solve(Discretization(problem, eight, mesh, order=3))
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
 
 
 def test_a_flux_without_stabilisation_does_not_balance(eight, monkeypatch):
     stabilisation = FacetForm.FacetMatrix
-    solution = UzawaSolver().Solve(Discretization(Example(), eight, Distorted("triangle"), order=1))
+    solution = SemismoothNewtonSolver().Solve(Discretization(Example(), eight, Distorted("triangle"), order=1))
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
     monkeypatch.setattr(FacetForm, "FacetMatrix", lambda form, patch: 0 * stabilisation(form, patch))
     assert np.abs(solution.ElementImbalance()).max() > 1e-3
@@ -166,19 +166,19 @@ def test_constant_liftings_make_bassi_and_brezzi_singular_and_are_refused():
             values = np.linalg.eigvalsh(Csr(disc.form.Matrix()).toarray())
             assert abs(values[0]) < 1e-10 * values[-1]
             with pytest.raises(ProblemError, match="loses coercivity"):
-                UzawaSolver().Solve(disc)
+                SemismoothNewtonSolver().Solve(disc)
     assert Spectrum(Discretization(Example(), BassiEtAl(), RectangleMesh(4), order=1)) > 0.1
 
 
 def test_coercivity_of_bassi_is_checked():
     with pytest.raises(ProblemError, match="penalty=0.3 loses coercivity"):
-        UzawaSolver().Solve(Discretization(Example(), BassiEtAl(penalty=0.3), RectangleMesh(4), order=2))
-    assert UzawaSolver().Solve(Discretization(Example(), BassiEtAl(penalty=2), RectangleMesh(4), order=2)).converged
+        SemismoothNewtonSolver().Solve(Discretization(Example(), BassiEtAl(penalty=0.3), RectangleMesh(4), order=2))
+    assert SemismoothNewtonSolver().Solve(Discretization(Example(), BassiEtAl(penalty=2), RectangleMesh(4), order=2)).converged
 
 
 def test_methods_agree_on_the_example():
     """All eight forms and H1 approximate the same problem."""
-    energies = [UzawaSolver().Solve(Discretization(Example(), method, RectangleMesh(8), order=2)).energy
+    energies = [SemismoothNewtonSolver().Solve(Discretization(Example(), method, RectangleMesh(8), order=2)).energy
                 for method in (*EIGHT, Conforming())]
     assert np.ptp(energies) < 0.01 * np.mean(energies) and np.ptp(energies) > 0
 

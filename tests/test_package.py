@@ -86,11 +86,12 @@ def test_star_import_changes_no_name_of_ngsolve():
     assert imported == set(ngdgc.__all__)
 
 
-def test_import_adds_less_than_half_a_second():
-    code = ("import time, ngsolve; start = time.perf_counter(); import ngdgc; print(time.perf_counter() - start);"
+def test_import_adds_less_than_half_a_second(tmp_path):
+    # Time of the processor: other processes of the tests take what they like of the clock's.
+    code = ("import time, ngsolve; start = time.process_time(); import ngdgc; print(time.process_time() - start);"
             "import sys; print('matplotlib' in sys.modules)")
-    runs = [subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
-            for _ in range(3)]
+    command = [sys.executable, "-c", code]
+    runs = [subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout.split() for _ in range(3)]
     assert min(float(seconds) for seconds, _ in runs) < 0.5
     assert all(loaded == "False" for _, loaded in runs)
 

@@ -9,7 +9,6 @@ import pytest
 from matplotlib.colors import to_rgba
 from netgen.geom2d import SplineGeometry
 from ngsolve import BND, TRIG, VOL, CF, IntegrationRule, Mesh, x
-from ngsolve.webgui import Draw
 
 from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, NormalCompliance, UzawaSolver)
@@ -165,12 +164,11 @@ def External(page):
 
 
 def test_page_needs_no_network(ip, tmp_path):
-    """Nothing is loaded from elsewhere, unlike in NGSolve's own page, and the camera sees the deformed body."""
+    """Nothing is loaded from elsewhere, unlike in the pages of some versions of NGSolve; the camera sees the deformed body."""
     page = WriteHTML(ip, tmp_path / "u.html", scale=2).read_text(encoding="utf-8")
     assert not External(page)
     assert "render_data" in page and '"scale": 2' in page and page.rstrip().endswith("</html>")
-    Draw(ip.gfu, ip.disc.mesh, "u", filename=str(tmp_path / "cdn.html"), show=False)
-    assert External((tmp_path / "cdn.html").read_text(encoding="utf-8"))
+    assert External(page.replace("<head>", '<head><script src="https://example.org/viewer.js"></script>'))
 
 
 def ReadVTK(path):

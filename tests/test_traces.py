@@ -10,7 +10,7 @@ from ngsolve.meshes import MakeStructured3DMesh
 
 from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, ComplianceLaw, Conforming, CoulombFriction, Discretization,
                    Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, PowerFriction, ProblemError,
-                   SlipWeakeningFriction, TrescaFriction, UzawaSolver)
+                   SemismoothNewtonSolver, SlipWeakeningFriction, TrescaFriction)
 from ngdgc.errors import L2Error
 from ngdgc.exact import AffinePatch, CubicCompliance, ExactStrain, SmoothSlip, WinklerColumn
 from ngdgc.graph import SEPARATION, SLIP, STICK, Distance
@@ -75,7 +75,7 @@ def test_three_zones_are_found_by_a_solver():
     exact = ThreeZones()
 
     def Solve(problem, mesh, order=4, tol=1e-11):
-        return UzawaSolver(tol=tol).Solve(Discretization(problem, LDG(), mesh, order=order))
+        return SemismoothNewtonSolver(tol=tol).Solve(Discretization(problem, LDG(), mesh, order=order))
 
     solution = Solve(exact.problem, RectangleMesh(4))
     assert L2Error(solution, exact.displacement) < 1e-12        # of 5e-3
@@ -180,4 +180,5 @@ def test_exact_solutions_know_their_zones(exact, order, upper, found):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_smooth_slip_knows_its_zone(dim):
     exact = SmoothSlip(dim=dim)
-    assert Violations(exact, exact.problem, Conforming(), RectangleMesh(2) if dim == 2 else BoxMesh(2, cells="hex"), 5)[2]
+    # On hexahedra the interpolation of this order needs more memory than NGSolve gives to one thread.
+    assert Violations(exact, exact.problem, Conforming(), RectangleMesh(2) if dim == 2 else BoxMesh(2, cells="prism"), 5)[2]

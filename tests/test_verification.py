@@ -7,8 +7,8 @@ import pytest
 from conftest import METHODS, Interpolate, Residual
 from ngsolve import CF
 
-from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, Discretization, EstimateContraction, InteriorPenalty, ProblemError,
-                   TrescaFriction, UzawaSolver)
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, Discretization, EstimateContraction, InteriorPenalty,
+                   ProblemError, SemismoothNewtonSolver, TrescaFriction)
 from ngdgc.errors import EnergyError, L2Error, Rates, StrainError
 from ngdgc.exact import AffinePatch, CubicCompliance, ExactStrain, SmoothSlip, WinklerColumn
 from ngdgc.graph import SLIP
@@ -17,7 +17,7 @@ from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh
 ZONE = {"slip": "slip", "stick": "stick", "open": "separation"}
 # The patch lies in every space, so what is left is round-off and the iteration's tolerance, both far below 1e-10.
 ROUNDOFF = 1e-10
-SOLVER = UzawaSolver(tol=1e-11)
+SOLVER = SemismoothNewtonSolver(tol=1e-11)
 
 
 def Solve(problem, method, mesh, order):

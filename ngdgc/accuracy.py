@@ -57,7 +57,7 @@ def Study(exact, method, *, order=1, cells="triangle", budget=5.0, callback=None
     Raises ProblemError for a budget that is not positive, and what meshes and solver raise.
     """
     if not budget > 0:
-        raise ProblemError(f"budget is {budget:g}; it must be a positive number of seconds")
+        raise ProblemError(f"budget is {budget:g}; give a positive number of seconds")
     rows, n = [], 2
     while not rows or rows[-1][2] <= budget and n <= FINEST:
         if callback:

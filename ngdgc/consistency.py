@@ -94,5 +94,5 @@ def _CheckPrescribed(disc, u):
         measure = ds(skeleton=True, definedon=mesh.Boundaries(region))
         square, area = (Coefficients(Unfolded(value) * one * measure).sum() for value in (difference * difference, CF(1)))
         if not np.sqrt(max(square, 0) / area) <= 1e-8 * size:       # data are often typed with fewer digits than round-off
-            raise ProblemError(f"displacement differs from {kind}[{region!r}] by {np.sqrt(square / area):.3g} in the mean; the "
-                               "exact solution takes the prescribed values")
+            raise ProblemError(f"displacement differs from {kind}[{region!r}] by {np.sqrt(square / area):.3g} in the mean; "
+                               "give the exact solution of this problem, which takes the prescribed values")

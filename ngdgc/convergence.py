@@ -56,7 +56,7 @@ def Study(exact, method, *, order=1, n=(4, 8, 16), cells="triangle", mesh=UnitMe
     True
     """
     if len(n) < 2 or np.any(np.diff(n) <= 0):
-        raise ProblemError(f"n is {n}; an order needs at least two sizes that increase, for example 4 8 16")
+        raise ProblemError(f"n is {n}; an order needs at least two sizes that increase, give for example 4 8 16")
     rows = []
     for size in n:
         if callback:

@@ -96,7 +96,7 @@ class HookeMaterial:
     def Check(self, mesh, points):
         """Raise ProblemError unless C is finite and positive definite at the points."""
         if mesh.dim == 3 and self.plane == "stress":
-            raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only")
+            raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only, take plane='strain'")
         if self.nu is not None:
             nu = ValuesAt(self.nu, points, "nu")
             CheckRange(nu, "nu", above=-1)
@@ -126,7 +126,7 @@ class AnisotropicMaterial:
         try:
             rows = tuple(tuple(row) for row in self.voigt)
         except TypeError:
-            raise ProblemError("voigt must be a 3 x 3 (2D) or 6 x 6 (3D) matrix") from None
+            raise ProblemError(f"voigt is {self.voigt!r}; give a 3 x 3 (2D) or 6 x 6 (3D) matrix") from None
         if len(rows) not in (3, 6) or any(len(row) != len(rows) for row in rows):
             raise ProblemError(f"voigt has {len(rows)} rows of lengths {[len(row) for row in rows]}; "
                                "it must be 3 x 3 (2D) or 6 x 6 (3D)")
@@ -174,7 +174,7 @@ class AnisotropicMaterial:
         """Raise ProblemError unless C is finite, symmetric and positive definite at the points."""
         if mesh.dim != self.dim:
             raise ProblemError(f"the {len(self.voigt)} x {len(self.voigt)} voigt matrix is for dimension {self.dim}, "
-                               f"the mesh has dimension {mesh.dim}")
+                               f"the mesh has dimension {mesh.dim}; give a matrix for that one")
         self._CheckMatrices(np.moveaxis(np.array(
             [[ValuesAt(entry, points, f"voigt[{i}][{j}]") for j, entry in enumerate(row)]
              for i, row in enumerate(self.voigt)]), 2, 0))
@@ -184,7 +184,9 @@ class AnisotropicMaterial:
         asymmetry = np.abs(matrices - np.swapaxes(matrices, 1, 2)).max()
         # Round-off of entries that are computed, not typed.
         if asymmetry > 1e-12 * np.abs(matrices).max():
-            raise ProblemError(f"voigt is not symmetric: entries differ by {asymmetry:g}; C must have C_ijkl = C_klij")
+            raise ProblemError(f"voigt is not symmetric: entries differ by {asymmetry:g}; give a matrix equal to "
+                               "its transpose, C_ijkl = C_klij")
         smallest = np.linalg.eigvalsh(matrices).min()
         if smallest <= 0:
-            raise ProblemError(f"voigt is not positive definite: its smallest eigenvalue is {smallest:g}")
+            raise ProblemError(f"voigt is not positive definite: its smallest eigenvalue is {smallest:g}; all must be "
+                               "positive, so that every strain costs energy: look at signs and at the order of the entries")

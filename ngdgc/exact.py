@@ -143,7 +143,7 @@ def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
     """
     CheckDimension(dim)
     if not (mu > 1 and lam > 0):
-        raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; the foundation pushes for mu > 1 and lam > 0 only")
+        raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; take mu > 1 and lam > 0, else the foundation would pull")
     material = HookeMaterial(mu=mu, lam=lam)
     s, height = (x, y) if dim == 2 else (OBLIQUE[0] * x + OBLIQUE[1] * y, z)
     c = 1 / (1 + lam)

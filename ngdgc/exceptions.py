@@ -29,5 +29,5 @@ class SolveInterrupted(KeyboardInterrupt):
     """Ctrl-C during an iteration; `solution` is the last iterate."""
 
     def __init__(self, solution):
-        super().__init__(f"interrupted after {len(solution.history)} iterations")
+        super().__init__(f"interrupted after {len(solution.history)} iterations; the last iterate is its attribute solution")
         self.solution = solution

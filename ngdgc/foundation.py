@@ -38,10 +38,10 @@ class ComplianceLaw:
     """
 
     def Pressure(self, r):
-        raise NotImplementedError
+        raise _Missing(self, "Pressure(r)")
 
     def PressureDerivative(self, r):
-        raise NotImplementedError
+        raise _Missing(self, "PressureDerivative(r)")
 
     def Check(self, *, depth=1.0):
         """The `LawReport` for penetrations up to `depth` [length]: (2.13), Lipschitz constant, monotone or not.
@@ -61,7 +61,7 @@ class FrictionLaw:
     """
 
     def Bound(self, r, p):
-        raise NotImplementedError
+        raise _Missing(self, "Bound(r, p)")
 
     def Check(self, compliance, *, depth=1.0, slip=1.0):
         """The `LawReport` for penetrations up to `depth` and slips up to `slip` [length].
@@ -261,6 +261,10 @@ class Foundation:
     def Check(self, *, depth=1.0, slip=1.0):
         """The `LawReport` of both laws for penetrations up to `depth` and slips up to `slip` [length]; see `CheckLaws`."""
         return CheckLaws(self.compliance, self.friction, depth=depth, slip=slip)
+
+
+def _Missing(law, method):
+    return ProblemError(f"{type(law).__name__} has no method {method}; write it, arrays (npoints,) -> array (npoints,)")
 
 
 def _Has(law, *methods):

@@ -41,7 +41,7 @@ def CheckCompliance(law, npoints, name):
     """Check (2.13) and the derivative of a law at `npoints` points, for penetrations from 1e-6 to 1."""
     for r in (-1.0, 0.0):
         if np.any(law.Pressure(np.full(npoints, r)) != 0):
-            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; p_n(r) = 0 for r <= 0 (2.13)")
+            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; it must be 0 for r <= 0 (2.13)")
     for r in SCALES:
         at = np.full(npoints, r)
         with np.errstate(all="ignore"):
@@ -49,10 +49,10 @@ def CheckCompliance(law, npoints, name):
         if np.shape(p) != at.shape:
             raise ProblemError(f"{name}: the pressure has shape {np.shape(p)} for {npoints} points; give one value per point")
         if np.any(p < 0):
-            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative")
+            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative; it must be >= 0 (2.13)")
         if _Differs(law.Pressure, law.PressureDerivative, at):
             raise ProblemError(f"{name}: PressureDerivative differs from the finite difference of Pressure at "
-                               f"penetration {r:g}")
+                               f"penetration {r:g}; mend the one that is wrong")
 
 
 def CheckFriction(law, r, p, name):
@@ -65,14 +65,16 @@ def CheckFriction(law, r, p, name):
             bound = np.asarray(law.Bound(at, pressed))
         # The unit of length is unknown: a law may overflow at the largest values, which may never occur.
         if bound.shape != r.shape or np.any(bound < 0) or fraction == SCALES[0] and not np.all(np.isfinite(bound)):
-            raise ProblemError(f"{name}: the friction bound is negative, not finite, or not one value per point")
+            raise ProblemError(f"{name}: the friction bound is negative, not finite, or not one value per point; it must be "
+                               "p_t >= 0, an array (npoints,)")
         if not hasattr(law, "BoundDerivatives"):
             continue
         for number, (word, Value, start) in enumerate((("penetration", lambda values, p=pressed: law.Bound(values, p), at),
                                                        ("pressure", lambda values, r=at: law.Bound(r, values), pressed))):
             if _Differs(Value, lambda values, number=number, r=at, p=pressed: law.BoundDerivatives(r, p)[number], start):
                 raise ProblemError(f"{name}: BoundDerivatives differs from the finite difference of Bound by the {word}, at "
-                                   f"penetration {at[0]:g} and pressure {pressed[0]:g}")
+                                   f"penetration {at[0]:g} and pressure {pressed[0]:g}; mend one of them, or leave "
+                                   "BoundDerivatives out")
     if hasattr(law, "Coefficient"):
         _CheckCoefficient(law, np.ones_like(r), name)
 
@@ -85,10 +87,10 @@ def _CheckCoefficient(law, ones, name):
             raise ProblemError(f"{name}: Coefficient(slip) returns {law.Coefficient(slip * ones)!r}; give the pair of the "
                                "factor and its derivative, one value per point each") from None
         if np.any(factor < 0) or not np.all(np.isfinite(factor)):
-            raise ProblemError(f"{name}: the friction Coefficient is negative or not finite at slip {slip:g}")
+            raise ProblemError(f"{name}: the friction Coefficient is negative or not finite at slip {slip:g}; it must be >= 0")
         if slip and _Differs(lambda s: law.Coefficient(s)[0], lambda s: law.Coefficient(s)[1], slip * ones):
             raise ProblemError(f"{name}: the derivative that Coefficient returns differs from its finite difference at slip "
-                               f"{slip:g}")
+                               f"{slip:g}; mend the one that is wrong")
 
 
 def _Differs(Value, Derivative, at):

@@ -104,7 +104,7 @@ class IterativeInverse(BaseMatrix):
         size, before, left = Norm(b), np.inf, self.maxiter
         self.solves += 1
         if not np.isfinite(size):
-            raise ProblemError("the load is not finite")
+            raise ProblemError("the load is not finite; look for a division by zero in what it is made of")
         while True:
             r.data = b - self.matrix * x
             norm = Norm(r)

@@ -197,4 +197,4 @@ def _SafePenalty(disc, matrix, slope):
         energy = norm + (penalty - 1) * slope
         if ExtremeEigenvalue(matrix + (penalty - 1) * slope, energy, Inverse(energy), "SA") > ENOUGH:
             return penalty
-    raise ProblemError(f"{disc.method!r} is not coercive for any penalty up to 4^19")
+    raise ProblemError(f"{disc.method!r} is not coercive for any penalty up to 4^19; take the other form or a larger liftorder")

@@ -132,7 +132,7 @@ class Lifting:
             raise ProblemError(f"method {disc.method.name} has no jumps to lift; take a discontinuous one")
         order = disc.order if order is None else order
         if isinstance(order, bool) or not isinstance(order, Integral) or order < 0:
-            raise ProblemError(f"order is {order!r}; the degree of the lifting space is an integer >= 0")
+            raise ProblemError(f"order is {order!r}; the degree of the lifting space must be an integer >= 0")
         share, rollers = WeakFacets(disc.problem, disc.facets)
         blocks = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
         self.operators, self.space = SparseOperators(blocks), blocks.liftings
@@ -140,7 +140,7 @@ class Lifting:
     def _CheckFacet(self, facet):
         count = len(self.operators.share)
         if not isinstance(facet, Integral) or not 0 <= facet < count:
-            raise ProblemError(f"facet is {facet!r}; the mesh has the facets 0 ... {count - 1}")
+            raise ProblemError(f"facet is {facet!r}; give the number of one, the mesh has the facets 0 ... {count - 1}")
 
     def Matrix(self, facet=None):
         """r_0, or r_e of the facet with this number, as a sparse matrix from V_h to Q_h."""

@@ -49,7 +49,7 @@ def Study(method, *, order=1, n=16, lam=LAMBDA, cells="triangle", mesh=UnitMesh,
     True
     """
     if len(lam) < 2:
-        raise ProblemError(f"lam is {lam}; a comparison needs at least two values, for example 1 1e6")
+        raise ProblemError(f"lam is {lam}; a comparison needs at least two values, give for example 1 1e6")
     grid, errors = mesh(n, cells), []
     for value in lam:
         if callback:

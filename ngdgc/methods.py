@@ -52,7 +52,8 @@ class DiscontinuousGalerkin:
         if self.weighting not in (None, "mu", "C"):
             raise ProblemError(f"weighting is {self.weighting!r}; choose 'mu' or 'C'")
         if self.weighting is not None and self.stabilisation == "lifting":
-            raise ProblemError(f"weighting={self.weighting!r} does not apply to {self.name}: r_e is weighted by C")
+            raise ProblemError(f"weighting={self.weighting!r} does not apply to {self.name}: r_e is weighted by C; "
+                               "leave it out")
         if self.form not in ("edge", "lifting"):
             raise ProblemError(f"form is {self.form!r}; choose 'edge' or 'lifting'")
         self._CheckLifting()
@@ -65,7 +66,8 @@ class DiscontinuousGalerkin:
             raise ProblemError(f"liftorder is {self.liftorder!r}; it must be an integer of at least 0")
         liftless = self.form == "edge" and self.stabilisation == "jump" and not self.globallift
         if self.liftorder is not None and liftless:
-            raise ProblemError(f"liftorder={self.liftorder} does not apply to the edge form of {self.name}: it lifts nothing")
+            raise ProblemError(f"liftorder={self.liftorder} does not apply to the edge form of {self.name}: it lifts nothing; "
+                               "leave it out or take form='lifting'")
         if self.liftorder == 0 and self.stabilisation == "lifting" and not self.singular:
             raise ProblemError(f"liftorder=0 makes {self.name} singular for every penalty: r_e with constants sees only the "
                                "mean of a jump, so jumps of mean zero cost nothing; take liftorder >= 1, by default the order "

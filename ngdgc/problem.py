@@ -59,7 +59,7 @@ class ContactProblem:
             object.__setattr__(self, "bodyforce", Vector(self.bodyforce, "bodyforce"))
         if len({dim for _, dim in self._Dimensions()}) > 1:
             listing = ", ".join(f"{name}: {dim}" for name, dim in self._Dimensions())
-            raise ProblemError(f"the data have different dimensions ({listing})")
+            raise ProblemError(f"the data have different dimensions ({listing}); give all of them the dimension of the mesh")
 
     def _Dimensions(self):
         for name in ("dirichlet", "traction"):

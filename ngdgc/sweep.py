@@ -122,7 +122,7 @@ def _Bound(law, r, p, slid):
         return law.stiffness * np.maximum(r, 0) ** law.exponent
     if isinstance(law, SlipWeakeningFriction):
         return (law.dynamic + (law.static - law.dynamic) * np.exp(-slid / law.distance)) * p
-    raise ProblemError(f"friction is {law!r}; its bound is known for the laws of the package alone")
+    raise ProblemError(f"friction is {law!r}; its bound is known for the laws of the package alone, take one of them")
 
 
 def Sweep(samples, file, *, callback=None, **options):

@@ -51,7 +51,7 @@ def FromTraces(foundation, *, un, ut=0.0, pressure, shear=0.0, material=None, di
     if not isinstance(foundation, Foundation) or foundation.boundary != "bottom":
         raise ProblemError(f"foundation is {foundation!r}; give a Foundation of the region 'bottom'")
     if not isinstance(material, HookeMaterial):
-        raise ProblemError(f"material is {material!r}; the recipe needs the mu and lam of a HookeMaterial")
+        raise ProblemError(f"material is {material!r}; give a HookeMaterial, whose mu and lam the recipe needs")
     traces = _Traces(un=un, ut=ut, pressure=pressure, shear=shear)
     traces.CheckSmooth()
     traces.CheckLaw(foundation)
@@ -142,7 +142,7 @@ class _Traces:
                 if jump[worst] > 5 * interval * np.abs(df).max() + ROUNDOFF * np.abs(f).max():
                     word = ("", "the first derivative of ", "the second derivative of ")[order]
                     raise ProblemError(f"{word}{name} jumps near x = {at[worst]:.4g}; then sigma is discontinuous and the "
-                                       "body force no function")
+                                       "body force no function; give a smoother one, such as Positive(x - a, 3)")
                 trace = slope
 
     def At(self, foundation, at):
@@ -169,7 +169,7 @@ class _Traces:
             if np.any(wrong):
                 i = wrong.argmax()
                 found = words.format(p=p[i], s=s[i], tau=tau[i], expected=expected[i], bound=bound[i])
-                raise ProblemError(f"the traces violate the law at x = {at[i]:.4g}: {found}")
+                raise ProblemError(f"the traces violate the law at x = {at[i]:.4g}: {found}; mend the traces or the law")
 
     def Zones(self, foundation, at):
         _, p, s, tau, _, bound = self.At(foundation, at)

@@ -67,10 +67,11 @@ def CheckUniqueness(disc, *, depth=None, slip=None):
     (True, True, 0.096)
     """
     if not disc.symmetric:
-        raise ProblemError("the method is not symmetric; the theory of uniqueness needs a symmetric compliance operator")
+        raise ProblemError("the method is not symmetric; the theory of uniqueness needs a symmetric compliance operator, "
+                           "take a symmetric one")
     if disc.unresisted:
         raise ProblemError(f"the body is held by its foundation alone: only contact resists {disc.unresisted}, and the theory "
-                           "here needs a body that its supports hold")
+                           "here needs a body that its supports hold; add dirichlet or roller")
     contact = disc.contact
     if depth is None or slip is None:
         free = contact.Displacement(disc.FreeSolution())

@@ -35,7 +35,7 @@ def Variants(method="all", *, form=None, penalty="auto"):
         raise ProblemError(f"form is {form!r}; choose edge or lifting, or give none for both")
     for name, value, default in (("form", form, None), ("penalty", penalty, "auto")):
         if method == "h1" and value != default and not isinstance(value, dict):
-            raise ProblemError(f"{name} does not apply to method 'h1'")
+            raise ProblemError(f"{name} does not apply to method 'h1'; leave it out")
     penalties = penalty if isinstance(penalty, dict) else dict.fromkeys(METHODS, penalty)
     chosen = []
     for name in PAPER if method == "all" else (method,):

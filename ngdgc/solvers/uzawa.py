@@ -81,7 +81,7 @@ class UzawaSolver:
         if self.rho == "adaptive":
             if self.normal == "explicit" or self.acceleration:
                 raise ProblemError("rho is 'adaptive', which is for normal='implicit' without acceleration: Anderson's needs "
-                                   "steps that are all alike")
+                                   "steps that are all alike; take rho='auto', or change these")
         elif not (self.rho == "auto" or IsNumber(self.rho) and 0 < self.rho < np.inf):
             raise ProblemError(f"rho is {self.rho!r}; give 'auto', a positive number, or with normal='implicit' 'adaptive'")
         if not IsNumber(self.tol) or not 0 < self.tol < 1:

@@ -172,9 +172,6 @@ class AnisotropicMaterial:
 
     def Check(self, mesh, points):
         """Raise ProblemError unless C is finite, symmetric and positive definite at the points."""
-        if mesh.dim != self.dim:
-            raise ProblemError(f"the {len(self.voigt)} x {len(self.voigt)} voigt matrix is for dimension {self.dim}, "
-                               f"the mesh has dimension {mesh.dim}; give a matrix for that one")
         self._CheckMatrices(np.moveaxis(np.array(
             [[ValuesAt(entry, points, f"voigt[{i}][{j}]") for j, entry in enumerate(row)]
              for i, row in enumerate(self.voigt)]), 2, 0))

@@ -1,7 +1,11 @@
 """Lemma 3.1 of Xiao, Wang, Han 2018 as a tool: how well the exact solution satisfies the discrete equations."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from ngsolve import (CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf)
+from ngsolve import CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf
 
 from .coefficients import Unfolded
 from .elasticity import Strain
@@ -10,10 +14,14 @@ from .exact import ExactStrain
 from .exceptions import ProblemError
 from .lemmas import DualNorm
 from .lifting import Lifting
+from .protocols import Array, Coefficient
 from .skeleton import Coefficients
 
+if TYPE_CHECKING:
+    from .discretization import Discretization
 
-def ConsistencyResidual(disc, displacement):
+
+def ConsistencyResidual(disc: Discretization, displacement: Coefficient) -> float:
     """sup |B_h(u, v) - (f, v) + int_GammaC t.v|/|||v||| over V_h for the exact solution u (Lemma 3.1), t = -sigma(u) n.
 
     disc : Discretization;  displacement : u in H^2, a CoefficientFunction of x, y, z with d components [length]
@@ -30,7 +38,7 @@ def ConsistencyResidual(disc, displacement):
     return DualNorm(disc, ConsistencyVector(disc, displacement))
 
 
-def ConsistencyVector(disc, displacement):
+def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     """The coefficients (ndof,) of v -> B_h(u, v) - (f, v) + int_GammaC t.v, arguments as in `ConsistencyResidual`.
 
     A continuous u with the prescribed values has no jumps, so of B_h and the loads of prescribed values remain

@@ -1,21 +1,25 @@
 """Linear elastic materials: sigma = C eps(u), with C as in (2.11) of Xiao, Wang, Han 2018."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CF, Grad, Id, Sym, Trace
+from ngsolve import CF, Grad, Id, Mesh, Sym, Trace
 
 from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
 from .exceptions import ProblemError
+from .protocols import Array, Datum
 
 
-def Strain(u):
+def Strain(u: Any) -> Any:
     """eps(u) = (grad u + grad u^T)/2, of a trial or test function or a GridFunction; shape (d, d), no unit."""
     return Sym(Grad(u))
 
 
-def StiffnessAt(material, points, dim):
+def StiffnessAt(material: HookeMaterial | AnisotropicMaterial, points: Any, dim: int) -> Array:
     """C_ijkl at mesh points, (npoints, d, d, d, d) [stress]; ProblemError if it is not finite."""
     C = np.empty((len(points), dim, dim, dim, dim))
     for k in range(dim):
@@ -52,7 +56,11 @@ class HookeMaterial:
     lam: Any = None
     plane: str = "strain"
 
-    def __post_init__(self):
+    if TYPE_CHECKING:       # what is given; mu and lam are computed
+        def __init__(self, *, E: Datum | None = None, nu: Datum | None = None, mu: Datum | None = None,
+                     lam: Datum | None = None, plane: str = "strain") -> None: ...
+
+    def __post_init__(self) -> None:
         if self.plane not in ("strain", "stress"):
             raise ProblemError(f"plane={self.plane!r}; choose 'strain' or 'stress'")
         given = {name for name in ("E", "nu", "mu", "lam") if getattr(self, name) is not None}
@@ -75,25 +83,25 @@ class HookeMaterial:
         object.__setattr__(self, "mu", mu)
         object.__setattr__(self, "lam", lam)
 
-    def Stress(self, strain):
+    def Stress(self, strain: Any) -> Any:
         """C strain, shape (d, d) [stress]."""
         return self.lam * Trace(strain) * Id(strain.dims[0]) + 2 * self.mu * strain
 
     @property
-    def bonus(self):
+    def bonus(self) -> int:
         """Quadrature degrees that integrals with C need beyond those of the displacement: 2 if C varies in space."""
         return 0 if IsNumber(self.mu) and IsNumber(self.lam) else 2
 
-    def OtherStress(self, strain):
+    def OtherStress(self, strain: Any) -> Any:
         """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""
         mu, lam = (value if IsNumber(value) else value.Other() for value in (self.mu, self.lam))
         return lam * Trace(strain) * Id(strain.dims[0]) + 2 * mu * strain
 
-    def ShearAt(self, points):
+    def ShearAt(self, points: Any) -> Array:
         """mu at mesh points, shape (npoints,) [stress]: the scale of the paper's penalty."""
         return ValuesAt(self.mu, points, "mu")
 
-    def Check(self, mesh, points):
+    def Check(self, mesh: Mesh, points: Any) -> None:
         """Raise ProblemError unless C is finite and positive definite at the points."""
         if mesh.dim == 3 and self.plane == "stress":
             raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only, take plane='strain'")
@@ -122,7 +130,10 @@ class AnisotropicMaterial:
 
     voigt: Any
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, voigt: Sequence[Sequence[Datum]]) -> None: ...
+
+    def __post_init__(self) -> None:
         try:
             rows = tuple(tuple(row) for row in self.voigt)
         except TypeError:
@@ -137,7 +148,7 @@ class AnisotropicMaterial:
             self._CheckMatrices(np.array(entries)[None])
 
     @property
-    def dim(self):
+    def dim(self) -> int:
         return 2 if len(self.voigt) == 3 else 3
 
     @property
@@ -151,26 +162,26 @@ class AnisotropicMaterial:
         d = self.dim
         return CF(tuple(stresses[index[frozenset((i, j))]] for i in range(d) for j in range(d)), dims=(d, d))
 
-    def Stress(self, strain):
+    def Stress(self, strain: Any) -> Any:
         """C strain, shape (d, d) [stress]."""
         return self._Contract(strain, self.voigt)
 
     @property
-    def bonus(self):
+    def bonus(self) -> int:
         """Quadrature degrees that integrals with C need beyond those of the displacement: 2 if C varies in space."""
         return 0 if all(IsNumber(entry) for row in self.voigt for entry in row) else 2
 
-    def OtherStress(self, strain):
+    def OtherStress(self, strain: Any) -> Any:
         """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""
         return self._Contract(strain, [[entry if IsNumber(entry) else entry.Other() for entry in row]
                                        for row in self.voigt])
 
-    def ShearAt(self, points):
+    def ShearAt(self, points: Any) -> Array:
         """Largest of the shear moduli C_ijij, i != j, at mesh points, shape (npoints,) [stress]."""
         shear = range(self.dim, len(self.voigt))
         return np.max([ValuesAt(self.voigt[i][i], points, f"voigt[{i}][{i}]") for i in shear], axis=0)
 
-    def Check(self, mesh, points):
+    def Check(self, mesh: Mesh, points: Any) -> None:
         """Raise ProblemError unless C is finite, symmetric and positive definite at the points."""
         self._CheckMatrices(np.moveaxis(np.array(
             [[ValuesAt(entry, points, f"voigt[{i}][{j}]") for j, entry in enumerate(row)]

@@ -1,5 +1,9 @@
 """The three ways in which a computation ends without a solution."""
 
+from __future__ import annotations
+
+from typing import Any
+
 
 class ProblemError(ValueError):
     """Data that define no problem; the message names the argument at fault and the remedy."""
@@ -18,7 +22,7 @@ class NotConvergedError(RuntimeError):
         The estimated contraction numbers at the last iterates.
     """
 
-    def __init__(self, message, solution, contraction=None):
+    def __init__(self, message: str, solution: Any, contraction: Any = None) -> None:
         super().__init__(message)
         self.solution = solution
         self.history = solution.history
@@ -28,6 +32,6 @@ class NotConvergedError(RuntimeError):
 class SolveInterrupted(KeyboardInterrupt):
     """Ctrl-C during an iteration; `solution` is the last iterate."""
 
-    def __init__(self, solution):
+    def __init__(self, solution: Any) -> None:
         super().__init__(f"interrupted after {len(solution.history)} iterations; the last iterate is its attribute solution")
         self.solution = solution

@@ -3,12 +3,15 @@
 A law is any object with the methods of `foundation.ComplianceLaw` or `foundation.FrictionLaw`; nothing else is used here.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
 
 from .coefficients import IsNumber, Pointwise
 from .exceptions import ProblemError
+from .protocols import Compliance, Friction
 
 SCALES = np.logspace(-6, 0, 25)     # of penetration, pressure and slip at which derivatives are compared
 STEP = 1e-5         # of differences, relative: their error is 1e-10 of the third derivative and 1e-11 of round-off
@@ -130,12 +133,12 @@ class LawReport:
     remarks: tuple
 
     @property
-    def monotone(self):
+    def monotone(self) -> bool:
         """True if p_n does not decrease."""
         return not np.any(self.decrease > 0)
 
     @property
-    def valid(self):
+    def valid(self) -> bool:
         """True if (2.13) holds over the range."""
         return not self.problems
 
@@ -154,7 +157,8 @@ def _Lipschitz(symbol, constants):
     return f"Lipschitz, {symbol} = {constants.max():.4g}" if np.all(np.isfinite(constants)) else "not Lipschitz"
 
 
-def CheckLaws(compliance, friction=None, *, depth=1.0, slip=1.0, npoints=1):
+def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth: float = 1.0, slip: float = 1.0,
+              npoints: int = 1) -> LawReport:
     """The `LawReport` of a compliance law and a friction law or None, any objects with their methods.
 
     The laws are looked at for penetrations in [-depth, depth] and slips in [0, slip] [length]; hypotheses (2.13) are
@@ -190,7 +194,7 @@ def CheckLaws(compliance, friction=None, *, depth=1.0, slip=1.0, npoints=1):
     problems, remarks = _Violations(compliance.Pressure, Bound, depth, zeros)
     problems += [f"{name} is not Lipschitz" for name, constant in (("p_n", constants[0]), ("p_t", constants[2]))
                  if not np.all(np.isfinite(constant))]
-    return LawReport(depth, slip, *constants, weakening, tuple(problems), tuple(remarks))
+    return LawReport(depth, slip, constants[0], constants[1], constants[2], weakening, tuple(problems), tuple(remarks))
 
 
 def _Violations(Pressure, Bound, depth, zeros):

@@ -1,11 +1,13 @@
 """The methods a problem can be discretised with: what space, and where the displacement is coupled weakly."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
 from numbers import Integral
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-from ngsolve import H1, L2, VectorH1, VectorL2
+from ngsolve import H1, L2, Mesh, VectorH1, VectorL2
 
 from .coefficients import IsNumber
 from .exceptions import ProblemError
@@ -16,6 +18,9 @@ from .parallel import Batched
 from .penalty import MARGIN, LargestEigenvalues, Penalty
 from .skeleton import Clamped, Interior, Roller, SkeletonForm
 from .skeletonlifting import LiftedSkeletonForm
+
+if TYPE_CHECKING:
+    from .problem import ContactProblem
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -45,7 +50,12 @@ class DiscontinuousGalerkin:
     theta: ClassVar[int] = 1
     discontinuous: ClassVar[bool] = True
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, *, penalty: float | Literal["auto"] = "auto", weighting: Literal["mu", "C"] | None = None,
+                     form: Literal["edge", "lifting"] = "edge", liftorder: int | None = None,
+                     singular: bool = False) -> None: ...
+
+    def __post_init__(self) -> None:
         automatic = isinstance(self.penalty, str) and self.penalty == "auto"
         if not automatic and not (IsNumber(self.penalty) and 0 < self.penalty < np.inf):
             raise ProblemError(f"penalty is {self.penalty!r}; give 'auto' or a positive number")
@@ -80,18 +90,18 @@ class DiscontinuousGalerkin:
         return f"{type(self).__name__}({', '.join(given)})"
 
     @property
-    def symmetric(self):
+    def symmetric(self) -> bool:
         """True if B_h(u, v) = B_h(v, u)."""
         return self.theta == 1
 
-    def Space(self, mesh, order, clamped):
+    def Space(self, mesh: Mesh, order: int, clamped: str) -> Any:
         return VectorL2(mesh, order=order, dgjumps=True)
 
-    def ScalarSpace(self, mesh, order):
+    def ScalarSpace(self, mesh: Mesh, order: int) -> Any:
         return L2(mesh, order=order)
 
     @Batched
-    def Form(self, problem, facets, space, order, assembly):
+    def Form(self, problem: ContactProblem, facets: Any, space: Any, order: int, assembly: str) -> Any:
         """B_h with E0 = interior facets, Gamma_D and rollers."""
         share, rollers = WeakFacets(problem, facets)
         liftorder = order if self.liftorder is None else self.liftorder
@@ -214,14 +224,14 @@ class Conforming:
     discontinuous: ClassVar[bool] = False
     symmetric: ClassVar[bool] = True
 
-    def Space(self, mesh, order, clamped):
+    def Space(self, mesh: Mesh, order: int, clamped: str) -> Any:
         return VectorH1(mesh, order=order, dirichlet=clamped)
 
-    def ScalarSpace(self, mesh, order):
+    def ScalarSpace(self, mesh: Mesh, order: int) -> Any:
         return H1(mesh, order=order)
 
     @Batched
-    def Form(self, problem, facets, space, order, assembly):
+    def Form(self, problem: ContactProblem, facets: Any, space: Any, order: int, assembly: str) -> Any:
         """a(u, v), with the terms of E0 = rollers; `assembly` makes no difference."""
         _, rollers = WeakFacets(problem, facets)
         if not rollers.any():
@@ -252,5 +262,6 @@ def _Parts(problem, mesh, rule):
             *(Roller(material, mesh, rule, region, value) for region, value in problem.roller.items())]
 
 
-METHODS = {"ip": InteriorPenalty, "bassi": BassiEtAl, "brezzi": BrezziEtAl, "ldg": LDG, "nipg": NonsymmetricInteriorPenalty,
-           "iipg": IncompleteInteriorPenalty, "h1": Conforming}
+METHODS: dict[str, Any] = {
+    "ip": InteriorPenalty, "bassi": BassiEtAl, "brezzi": BrezziEtAl, "ldg": LDG, "nipg": NonsymmetricInteriorPenalty,
+    "iipg": IncompleteInteriorPenalty, "h1": Conforming}

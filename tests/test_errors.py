@@ -31,7 +31,9 @@ def Made(number):
         try:
             ROWS[number][0](Path(folder))
         except BaseException as error:
-            return shown.getvalue() + str(error), frozenset(Lines(error))
+            # The parser writes and exits; of the others the message is what the command writes, beside lines of progress.
+            message = shown.getvalue() if isinstance(error, SystemExit) else str(error)
+            return message, frozenset(Lines(error))
     raise AssertionError(f"no error where there should be one: {ROWS[number][1]}")
 
 

@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "report", "parallel", "peers"], ["arguments", "coefficients", "storage", "meshes"],
+LAYERS = [["exceptions", "report", "parallel", "peers", "protocols"], ["arguments", "coefficients", "storage", "meshes"],
           ["hypotheses"], ["elasticity", "foundation"],
           ["problem", "facets"], ["quadrature"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
@@ -49,7 +49,10 @@ def test_tests_run_against_the_installed_package():
 def Imports(name):
     """Modules of ngdgc that a module imports, anywhere in it."""
     package = name.split(".")[:-1]
-    for node in ast.walk(ast.parse(SOURCES[name].read_text())):
+    tree = ast.parse(SOURCES[name].read_text())
+    # What only type checkers read imports nothing.
+    tree.body = [node for node in tree.body if not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")]
+    for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.level:
             base = package[:len(package) - node.level + 1]
             if node.module:

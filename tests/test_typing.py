@@ -1,11 +1,8 @@
 """Type hints: a checker takes a script as a user writes it, refuses wrong ones by name, and has nothing against the package."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
-
-import pytest
 
 ROOT = Path(__file__).parents[1]
 SCRIPT = """\
@@ -46,23 +43,19 @@ print(problem.foundation[0].gap, problem.dirichlet["right"], problem.dim, disc.l
 """
 
 
-def Checked(folder, script):
-    """(exit code, output) of mypy for a script, without the configuration of the package."""
-    (folder / "script.py").write_text(script)
+def Checked(folder, scripts):
+    """What mypy has to say of scripts, without the configuration of the package: (exit code, output)."""
+    for name, script in scripts.items():
+        (folder / f"{name}.py").write_text(script)
     (folder / "mypy.ini").write_text("[mypy]\nignore_missing_imports = True\ncheck_untyped_defs = True\n")
-    done = subprocess.run([sys.executable, "-P", "-m", "mypy", "--config-file", "mypy.ini", "--cache-dir", ".cache", "script.py"],
+    names = [f"{name}.py" for name in scripts]
+    done = subprocess.run([sys.executable, "-P", "-m", "mypy", "--config-file", "mypy.ini", "--cache-dir", ".cache", *names],
                           cwd=folder, capture_output=True, text=True)
     return done.returncode, done.stdout + done.stderr
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    """One for all scripts: what the checker knows of numpy stays in its cache."""
-    return tmp_path_factory.mktemp("typing")
-
-
-def test_a_script_as_users_write_it_is_right(folder):
-    code, output = Checked(folder, SCRIPT)
+def test_a_script_as_users_write_it_is_right(tmp_path):
+    code, output = Checked(tmp_path, {"script": SCRIPT})
     assert code == 0, output
 
 
@@ -84,15 +77,14 @@ WRONG = {
     "solution.Report()": ("solution.Raport()", '"ContactSolution" has no attribute "Raport"')}
 
 
-def test_mistakes_are_named(folder):
+def test_mistakes_are_named(tmp_path):
     """Each alone in a script that was right: that is the only complaint, on its line."""
-    for right, (wrong, complaint) in WRONG.items():
-        script = SCRIPT.replace(right, wrong, 1)
-        assert script != SCRIPT
-        line = next(number for number, (old, new) in enumerate(zip(SCRIPT.split("\n"), script.split("\n")), 1) if old != new)
-        code, output = Checked(folder, script)
-        assert code == 1 and re.search(rf"^script.py:{line}: error: .*{re.escape(complaint)}", output, re.M), output
-        assert "Found 1 error" in output, output
+    scripts = {f"wrong{number}": SCRIPT.replace(right, wrong, 1) for number, (right, (wrong, _)) in enumerate(WRONG.items())}
+    _, output = Checked(tmp_path, scripts)
+    for (name, script), (_, complaint) in zip(scripts.items(), WRONG.values()):
+        (line,) = (number for number, pair in enumerate(zip(SCRIPT.split("\n"), script.split("\n")), 1) if pair[0] != pair[1])
+        errors = [text for text in output.split("\n") if text.startswith(f"{name}.py:") and ": error: " in text]
+        assert len(errors) == 1 and errors[0].startswith(f"{name}.py:{line}: ") and complaint in errors[0], (complaint, errors)
 
 
 def test_the_package_is_consistent_with_its_own_hints(tmp_path):

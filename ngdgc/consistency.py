@@ -34,6 +34,14 @@ def ConsistencyResidual(disc: Discretization, displacement: Coefficient) -> floa
 
     Raises ProblemError for a u that is no such expression or does not take the prescribed values, and for a body that
     only its foundation holds.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> ConsistencyResidual(disc, exact.displacement) < 1e-8
+    True
     """
     return DualNorm(disc, ConsistencyVector(disc, displacement))
 

@@ -17,7 +17,16 @@ EXTRA = 6       # quadrature degree beyond 2 k: smooth exact solutions are integ
 
 
 def L2Error(solution: ContactSolution, displacement: Coefficient) -> float:
-    """|u - u_h| in L2(Omega) for a CoefficientFunction u [length^(1 + d/2)]."""
+    """|u - u_h| in L2(Omega) for a CoefficientFunction u [length^(1 + d/2)].
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> L2Error(Solve(disc), exact.displacement) < 1e-8
+    True
+    """
     difference = solution.gfu - displacement
     return _Norm(InnerProduct(difference, difference), solution)
 

@@ -82,6 +82,9 @@ def AffinePatch(zone: str, *, material: HookeMaterial | None = None, stiffness: 
     the tangential part of sigma n on the walls.  With `coulomb` the friction is p_t = coulomb p_n instead of Tresca's `bound`.
 
     Raises ProblemError for an unknown zone, `sides` or dimension.
+
+    >>> AffinePatch("stick").zones(np.zeros((1, 2)))
+    array([1])
     """
     CheckDimension(dim)
     material = material or HookeMaterial(mu=1000.0, lam=1500.0)
@@ -122,6 +125,11 @@ def WinklerColumn(*, stiffness: float = 100.0, exponent: float = 1, material: Ho
     k H/(lam + 2 mu), or "pressure", P, when the foundation alone holds the column and A is singular.
 
     Raises ProblemError for an unknown load.
+
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> mesh = RectangleMesh(1)
+    >>> round(WinklerColumn(stiffness=100, pressure=20, gap=0.1).displacement(mesh(0, 0))[1], 12)
+    -0.3
     """
     if load not in ("displacement", "pressure"):
         raise ProblemError(f"load is {load!r}; choose 'displacement' or 'pressure'")
@@ -144,6 +152,9 @@ def SmoothSlip(*, lam: float = 1.0, mu: float = 2.0, stiffness: float = 1.0, exp
     |sigma_t| = mu s^2 (lam + 2)/(6 (1 + lam)) opposes u_t; so g = -(p*/k)^(1/m) and Coulomb's coefficient is |sigma_t|/p*.
 
     Raises ProblemError for mu <= 1 or lam <= 0, which would need a foundation that pulls, and for an unknown dimension.
+
+    >>> SmoothSlip(dim=3).problem.dim
+    3
     """
     CheckDimension(dim)
     if not (mu > 1 and lam > 0):
@@ -164,6 +175,9 @@ def CubicCompliance(*, E: float = 12000.0, nu: float = 0.42, alpha: float = 0.05
 
     u = 0 on x = 0, u_t = 0 and sigma_t = 0 on the contact side, p_n(r) = (lam + 2 mu) r with gap 0: a solution for any
     friction law that has a bound, and exact for orders of at least 3.  The foundation is too stiff for an explicit iteration.
+
+    >>> CubicCompliance().zones(np.zeros((1, 2)))
+    array([2])
     """
     material = HookeMaterial(E=E, nu=nu)
     u = alpha * CF((2 * x * y + x * y ** 2, -x ** 2 * (1 + y)))

@@ -6,7 +6,14 @@ from typing import Any
 
 
 class ProblemError(ValueError):
-    """Data that define no problem; the message names the argument at fault and the remedy."""
+    """Data that define no problem; the message names the argument at fault and the remedy.
+
+    >>> from ngdgc import NormalCompliance
+    >>> NormalCompliance(stiffness=-1)
+    Traceback (most recent call last):
+    ...
+    ngdgc.exceptions.ProblemError: stiffness is -1; it must be at least 0
+    """
 
 
 class NotConvergedError(RuntimeError):
@@ -20,6 +27,17 @@ class NotConvergedError(RuntimeError):
         One entry per iteration.
     contraction : Contraction or None
         The estimated contraction numbers at the last iterates.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> try:
+    ...     solution = UzawaSolver(maxiter=2).Solve(disc)
+    ... except NotConvergedError as error:
+    ...     print(len(error.history), error.solution.converged)
+    2 False
     """
 
     def __init__(self, message: str, solution: Any, contraction: Any = None) -> None:

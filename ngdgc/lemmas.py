@@ -75,6 +75,14 @@ def Coercivity(disc: Discretization) -> float:
     disc : Discretization of any method; of an unsymmetric form the symmetric part counts.
 
     Raises ProblemError for a body that only its foundation holds.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> 0 < Coercivity(disc) < Boundedness(disc)
+    True
     """
     matrix, norm, inverse = _Pencil(disc)
     matrix = Symmetric(matrix)

@@ -128,6 +128,14 @@ class Lifting:
     `space` is Q_h.  Jumps on Gamma_D are those of homogeneous data.
 
     Raises ProblemError for the conforming method, whose functions do not jump, and for l < 0.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> Lifting(disc).Matrix().shape[1] == disc.space.ndof
+    True
     """
 
     def __init__(self, disc: Any, *, order: int | None = None) -> None:

@@ -77,6 +77,9 @@ def ThreeZones(*, stiffness: float = 250.0, coefficient: float = 0.4, ends: tupl
     On a mesh with vertices at a and b every consistent method of order 4 returns u to round-off; on others the ends are exact.
 
     Raises ProblemError unless 0 < a < b < 1 and 0 < reserve (a - x)^2 < 2 mu_c p in the stick zone.
+
+    >>> ThreeZones().zones(np.array([[0.1, 0], [0.5, 0], [0.9, 0]]))     # stick, slip, separation
+    array([1, 2, 0])
     """
     a, b = ends
     if not 0 < a < b < 1:
@@ -99,6 +102,9 @@ def RigidLimit(*, stiffness: float, load: float = 5.0, opening: float = 0.02, co
     with it differs from it by O(1/k).
 
     Raises ProblemError as `ThreeZones` does, and for a stiffness that is not positive.
+
+    >>> RigidLimit(stiffness=1e6).zones(np.array([[0.1, 0], [0.5, 0], [0.9, 0]]))     # stick, slip, separation
+    array([1, 2, 0])
     """
     if not stiffness > 0:
         raise ProblemError(f"stiffness is {stiffness!r}; it must be positive")

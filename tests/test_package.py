@@ -103,7 +103,19 @@ MODULES = [module.name for module in pkgutil.walk_packages(ngdgc.__path__, "ngdg
 def test_doctests():
     results = [doctest.testmod(importlib.import_module(name)) for name in MODULES]
     assert sum(result.failed for result in results) == 0
-    assert sum(result.attempted for result in results) >= 12
+    assert sum(result.attempted for result in results) >= 100
+
+
+def Examples(thing):
+    """How many lines of examples the docstrings of a class and its methods, or of a function, have."""
+    return sum(len(test.examples) for test in doctest.DocTestFinder().find(thing, "thing"))
+
+
+def test_every_public_name_has_an_example():
+    # What functions return, and NGSolve's own.
+    others = {"ContactSolution", "Contraction", "SolveInterrupted", "Solve"}
+    assert [name for name in ngdgc.__all__ if name not in others and Examples(getattr(ngdgc, name)) == 0] == []
+    assert Examples(Examples) == 0      # control: this function has none
 
 
 def Blocks(language):

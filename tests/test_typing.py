@@ -72,7 +72,8 @@ WRONG = {
     "penalty=30": ("penalty='large'", "\"penalty\" to \"InteriorPenalty\" has incompatible type \"Literal['large']\""),
     'form="lifting"': ('form="weak"', "\"form\" to \"BassiEtAl\" has incompatible type \"Literal['weak']\""),
     'normal="implicit"': ("implicit=True", 'Unexpected keyword argument "implicit" for "UzawaSolver"'),
-    "disc.Solve(callback=Show)": ("disc.Solve(callback=3)", '"callback" to "Solve" of "Discretization" has incompatible type "int"'),
+    "disc.Solve(callback=Show)": ("disc.Solve(callback=3)",
+                                  '"callback" to "Solve" of "Discretization" has incompatible type "int"'),
     "coarser=[mesh]": ("coarser=4", '"coarser" to "NestedNewtonSolver" has incompatible type "int"'),
     "solution.Report()": ("solution.Raport()", '"ContactSolution" has no attribute "Raport"')}
 

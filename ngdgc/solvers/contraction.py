@@ -35,6 +35,14 @@ def EstimateContraction(disc: Discretization, penetration: Array, *, step: float
 
     `step` is that of the friction traction [stress/length], a number or (n,).  Costs at most 2 maxiter applications of A^-1;
     Lanczos stops when its largest eigenvalue moves by less than `tol` twice.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> EstimateContraction(disc, Solve(disc).penetration).normal < 1
+    True
     """
     contact = disc.contact
     stiffness = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]

@@ -36,6 +36,9 @@ class NestedNewtonSolver:
     tol : of the law residual (`graph.Distance`), no unit
     coarser : meshes of the same body with the same region names, coarse ones first; None: made by `coarsening.CoarserMesh`
         until it has no way or at most 20 contact points are left; (): no coarser mesh
+
+    >>> NestedNewtonSolver(tol=1e-8)
+    NestedNewtonSolver(tol=1e-08, coarser=None)
     """
 
     tol: float = 1e-10

@@ -3,8 +3,12 @@
 On meshes 1/n, 2/n, ... the time from the mesh in memory to the solution by `Solve(disc)`, and the relative strain error.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any, TYPE_CHECKING
 
 import numpy as np
 
@@ -12,8 +16,12 @@ from .discretization import Discretization
 from .errors import StrainError
 from .exceptions import ProblemError
 from .meshes import UnitMesh
+from .protocols import Method
 from .solvers import NestedNewtonSolver
 from .variants import Label
+
+if TYPE_CHECKING:
+    from .exact import Exact
 
 SOLVER = NestedNewtonSolver(tol=1e-8)
 GOALS = 1e-2, 1e-3, 1e-5        # relative errors that are asked for
@@ -49,7 +57,8 @@ class Series:
                      for values in (self.seconds, self.dofs))
 
 
-def Study(exact, method, *, order=1, cells="triangle", budget=5.0, callback=None):
+def Study(exact: Exact, method: Method, *, order: int = 1, cells: str = "triangle", budget: float = 5.0,
+          callback: Callable[[str], object] | None = None) -> Series:
     """The Series of an `Exact` problem on UnitMesh(n, cells), n = 2, 4, 8, ..., until a run takes more than `budget` seconds.
 
     callback : called with a line of progress before each run
@@ -57,8 +66,9 @@ def Study(exact, method, *, order=1, cells="triangle", budget=5.0, callback=None
     Raises ProblemError for a budget that is not positive, and what meshes and solver raise.
     """
     if not budget > 0:
-        raise ProblemError(f"budget is {budget:g}; it must be a positive number of seconds")
-    rows, n = [], 2
+        raise ProblemError(f"budget is {budget:g}; give a positive number of seconds")
+    rows: list[Any] = []
+    n = 2
     while not rows or rows[-1][2] <= budget and n <= FINEST:
         if callback:
             callback(f"{Label(method)}, order {order}, {cells}, n = {n}")

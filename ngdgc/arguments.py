@@ -14,7 +14,7 @@ def Positive(text):
     except ValueError:
         value = 0
     if value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer; give for example 4")
     return value
 
 
@@ -25,7 +25,7 @@ def Finite(text):
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number")
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number; give for example 0.5")
     return value
 
 
@@ -39,5 +39,5 @@ def Folder(name):
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise ProblemError(f"cannot write into {name}: {error.strerror}") from error
+        raise ProblemError(f"cannot write into {name}: {error.strerror}; choose another folder") from error
     return folder

@@ -65,7 +65,7 @@ class Point:
         if self.problem not in YOUNG:
             raise ProblemError(f"problem is {self.problem!r}; choose one of {', '.join(YOUNG)}")
         if self.stiffness is None and self.problem not in EXAMPLES:
-            raise ProblemError(f"stiffness is None, but problem {self.problem!r} has no foundation of its own")
+            raise ProblemError(f"stiffness is None, but problem {self.problem!r} has no foundation of its own; give k_n/E")
 
     @property
     def contactproblem(self):

@@ -78,7 +78,7 @@ def Measure(point, *, repeat=3, inverse="auto"):
 def Alone(function, repeat, *arguments):
     """function(*arguments, repeat) in a process of its own; ProblemError for repeat < 1."""
     if repeat < 1:
-        raise ProblemError(f"repeat is {repeat}; at least one run is needed")
+        raise ProblemError(f"repeat is {repeat}; give the number of runs, at least one")
     with multiprocessing.get_context("spawn").Pool(1) as pool:
         return pool.apply(function, (*arguments, repeat))
 

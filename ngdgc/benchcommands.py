@@ -42,7 +42,7 @@ def Bench(options):
 
     benches = {name: points for name, points in bench.Benches(quick=options.quick).items() if options.only in name}
     if not benches:
-        raise ProblemError(f"no bench has {options.only!r} in its name; they are {', '.join(bench.Benches())}")
+        raise ProblemError(f"no bench has {options.only!r} in its name; choose among {', '.join(bench.Benches())}")
     folder, costs, lines = Folder(options.out), {}, []
     try:
         for name, points in benches.items():

@@ -72,7 +72,7 @@ class Cells(CellGeometry):
 
     def _Gradients(self, coefficient, products):
         """sum_q coefficient[n, q, i, k, m, t] products[q, (m t), (a b)] -> (n, (i, a), (k, b)), for products as below."""
-        n, q, d = *coefficient.shape[:2], self.dim
+        (n, q), d = coefficient.shape[:2], self.dim
         values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, d * d), products)
         return values.reshape(n, d, d, self.na, self.na).transpose(0, 1, 3, 2, 4).reshape(n, d * self.na, d * self.na)
 

@@ -111,17 +111,18 @@ def LoadCase(name):
     """The module of a case, from a file or by the name of an installed one; ProblemError if there is none."""
     path = Path(name) if Path(name).is_file() else CaseFiles().get(name)
     if path is None:
-        raise ProblemError(f"no case {name!r}: neither a file nor one of {', '.join(CaseFiles())}")
+        raise ProblemError(f"no case {name!r}: neither a file nor one of {', '.join(CaseFiles())}; give one of them "
+                           "or a file")
     spec = importlib.util.spec_from_file_location(f"ngdgc_case_{path.stem}", path)
     if spec is None:
-        raise ProblemError(f"{name} is not a Python file")
+        raise ProblemError(f"{name} is not a Python file; give one whose name ends in .py")
     module = importlib.util.module_from_spec(spec)
     try:
         spec.loader.exec_module(module)
     except Exception as error:
-        raise ProblemError(f"{name} cannot be loaded: {type(error).__name__}: {error}") from error
+        raise ProblemError(f"{name} cannot be loaded: {type(error).__name__}: {error}; mend the file") from error
     if not callable(getattr(module, "Main", None)):
-        raise ProblemError(f"{name} has no function Main(method=..., order=..., n=...)")
+        raise ProblemError(f"{name} has no function Main(method=..., order=..., n=...); write it, or give another case")
     return module
 
 
@@ -146,7 +147,8 @@ def Run(options):
     try:
         inspect.signature(case.Main).bind(callback=progress, **arguments)
     except TypeError as error:
-        raise ProblemError(f"Main of {options.case} cannot be called: {error}") from error
+        raise ProblemError(f"Main of {options.case} cannot be called: {error}; it needs the keywords method, order, "
+                           "n, solver and callback") from error
     try:
         solution = case.Main(callback=progress, **arguments)
     except (NotConvergedError, SolveInterrupted) as stop:
@@ -154,11 +156,12 @@ def Run(options):
         code = 1 if isinstance(stop, NotConvergedError) else 130
     progress.Close()
     if not isinstance(solution, ContactSolution):
-        raise ProblemError(f"Main of {options.case} returned {type(solution).__name__}, not a ContactSolution")
+        raise ProblemError(f"Main of {options.case} returned {type(solution).__name__}, not a "
+                           "ContactSolution; let it return what the solver returns")
     try:
         written = WriteResults(solution, folder, scale=options.scale)
     except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
     print((folder / "report.txt").read_text(encoding="utf-8"))
     print(f"written to {folder}/: {', '.join(written)}")
     if message:
@@ -172,7 +175,7 @@ def Stability(options):
 
     case = LoadCase(options.case)
     if not (callable(getattr(case, "Problem", None)) and callable(getattr(case, "Mesh", None))):
-        raise ProblemError(f"{options.case} has no functions Problem() and Mesh(n)")
+        raise ProblemError(f"{options.case} has no functions Problem() and Mesh(n); write them, or give another case")
     print(Text(Study(case.Problem(), case.Mesh(options.n), order=options.order, form=options.form,
                      callback=lambda line: print(line, file=sys.stderr, flush=True))))
     return 0
@@ -187,7 +190,7 @@ def _CaseArguments(case, options):
     row = METHODS[options.method]
     for name, default in (("penalty", "auto"), ("form", "edge")):
         if getattr(options, name) != default and not row.discontinuous:
-            raise ProblemError(f"--{name} does not apply to method {options.method!r}")
+            raise ProblemError(f"--{name} does not apply to method {options.method!r}; leave it out")
     method = row(penalty=options.penalty, form=options.form) if row.discontinuous else row()
     arguments = {"method": method, "order": options.order, "n": options.n, "solver": _Solver(options)}
     known = inspect.signature(case.Main).parameters
@@ -195,7 +198,7 @@ def _CaseArguments(case, options):
         value = getattr(options, name)
         if value is not None:
             if name not in known:
-                raise ProblemError(f"--{name} does not apply to this case")
+                raise ProblemError(f"--{name} does not apply to this case, whose Main has no such keyword; leave it out")
             arguments[name] = value
     return arguments
 
@@ -212,7 +215,7 @@ def _Solver(options):
     given = {name: getattr(options, name) for name in ("maxiter", "rho") if getattr(options, name) is not None}
     for name in given:
         if name not in names:
-            raise ProblemError(f"--{name} does not apply to solver {options.solver!r}")
+            raise ProblemError(f"--{name} does not apply to solver {options.solver!r}; leave it out")
     return solver(tol=options.tol, **given)
 
 

@@ -3,6 +3,8 @@
 Boundary and material regions keep their names and numbers, so that the data of a problem mean the same on every mesh.
 """
 
+from __future__ import annotations
+
 import sys
 
 import numpy as np
@@ -18,7 +20,7 @@ COARSER = 0.6       # a mesh with more than this part of the elements is no help
 FLAT = 1e-9         # relative deviation of vertices from a line or plane that is round-off
 
 
-def CoarserMesh(mesh, factor=2.0):
+def CoarserMesh(mesh: Mesh, factor: float = 2.0) -> Mesh | None:
     """A mesh of the same body with elements larger by a factor, or None where there is no way to make one.
 
     Meshes that come from a Netgen geometry are generated anew; without one, boxes along the axes and, in 2D, polygons of one

@@ -25,9 +25,9 @@ def Scalar(value, name):
     if not isinstance(value, CoefficientFunction):
         raise ProblemError(f"{name} is {value!r}; give a number or a scalar CoefficientFunction")
     if value.is_complex:
-        raise ProblemError(f"{name} is complex; a real CoefficientFunction is needed")
+        raise ProblemError(f"{name} is complex; give a real CoefficientFunction")
     if value.dim != 1:
-        raise ProblemError(f"{name} has {value.dim} components; a scalar is needed")
+        raise ProblemError(f"{name} has {value.dim} components; give a scalar")
     return value
 
 
@@ -37,10 +37,10 @@ def Vector(value, name):
         value = CF(tuple(Scalar(component, name) for component in value))
     if not isinstance(value, CoefficientFunction) or value.dim not in (2, 3):
         shape = f"{value.dim} component(s)" if isinstance(value, CoefficientFunction) else repr(value)
-        raise ProblemError(f"{name} is {shape}; a vector with one component per dimension is needed, "
+        raise ProblemError(f"{name} is {shape}; give a vector with one component per dimension, "
                            "for example CF((0, 0))")
     if value.is_complex:
-        raise ProblemError(f"{name} is complex; a real CoefficientFunction is needed")
+        raise ProblemError(f"{name} is complex; give a real CoefficientFunction")
     return value
 
 
@@ -89,7 +89,8 @@ def ValuesAt(value, points, name):
     try:
         values = np.asarray(value(points), dtype=float).reshape(len(points))
     except Exception as error:
-        raise ProblemError(f"{name} cannot be evaluated there: {str(error).strip()}") from error
+        raise ProblemError(f"{name} cannot be evaluated on the mesh: {str(error).strip()}; give a number or a "
+                           "CoefficientFunction that has values there") from error
     CheckRange(values, name)
     return values
 
@@ -99,6 +100,7 @@ def VectorsAt(value, points, name):
     try:
         values = np.asarray(value(points), dtype=float).reshape(len(points), value.dim)
     except Exception as error:
-        raise ProblemError(f"{name} cannot be evaluated there: {str(error).strip()}") from error
+        raise ProblemError(f"{name} cannot be evaluated on the mesh: {str(error).strip()}; give a number or a "
+                           "CoefficientFunction that has values there") from error
     CheckRange(values, name)
     return values

@@ -1,7 +1,11 @@
 """Lemma 3.1 of Xiao, Wang, Han 2018 as a tool: how well the exact solution satisfies the discrete equations."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from ngsolve import (CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf)
+from ngsolve import CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf
 
 from .coefficients import Unfolded
 from .elasticity import Strain
@@ -10,10 +14,14 @@ from .exact import ExactStrain
 from .exceptions import ProblemError
 from .lemmas import DualNorm
 from .lifting import Lifting
+from .protocols import Array, Coefficient
 from .skeleton import Coefficients
 
+if TYPE_CHECKING:
+    from .discretization import Discretization
 
-def ConsistencyResidual(disc, displacement):
+
+def ConsistencyResidual(disc: Discretization, displacement: Coefficient) -> float:
     """sup |B_h(u, v) - (f, v) + int_GammaC t.v|/|||v||| over V_h for the exact solution u (Lemma 3.1), t = -sigma(u) n.
 
     disc : Discretization;  displacement : u in H^2, a CoefficientFunction of x, y, z with d components [length]
@@ -26,11 +34,19 @@ def ConsistencyResidual(disc, displacement):
 
     Raises ProblemError for a u that is no such expression or does not take the prescribed values, and for a body that
     only its foundation holds.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> ConsistencyResidual(disc, exact.displacement) < 1e-8
+    True
     """
     return DualNorm(disc, ConsistencyVector(disc, displacement))
 
 
-def ConsistencyVector(disc, displacement):
+def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     """The coefficients (ndof,) of v -> B_h(u, v) - (f, v) + int_GammaC t.v, arguments as in `ConsistencyResidual`.
 
     A continuous u with the prescribed values has no jumps, so of B_h and the loads of prescribed values remain
@@ -94,5 +110,5 @@ def _CheckPrescribed(disc, u):
         measure = ds(skeleton=True, definedon=mesh.Boundaries(region))
         square, area = (Coefficients(Unfolded(value) * one * measure).sum() for value in (difference * difference, CF(1)))
         if not np.sqrt(max(square, 0) / area) <= 1e-8 * size:       # data are often typed with fewer digits than round-off
-            raise ProblemError(f"displacement differs from {kind}[{region!r}] by {np.sqrt(square / area):.3g} in the mean; the "
-                               "exact solution takes the prescribed values")
+            raise ProblemError(f"displacement differs from {kind}[{region!r}] by {np.sqrt(square / area):.3g} in the mean; "
+                               "give the exact solution of this problem, which takes the prescribed values")

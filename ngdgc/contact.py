@@ -4,15 +4,18 @@ The same for every method: with T the trace of V_h at the points, W the quadratu
 body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem reads  A u = f - T' W t,  t = law(T u).
 """
 
+from __future__ import annotations
+
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import VOL, ElementId
 
 from .coefficients import ValuesAt
 from .exceptions import ProblemError
-from .quadrature import BoundaryQuadrature
 from .foundation import LawAt
 from .hypotheses import CheckCompliance, CheckFriction, SlipFactor
+from .protocols import Array
+from .quadrature import BoundaryQuadrature
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
 CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
@@ -77,31 +80,31 @@ class ContactBoundary:
     def dim(self):
         return self.normals.shape[1]
 
-    def Displacement(self, vector):
+    def Displacement(self, vector: Array) -> Array:
         """u_h at the points, (n, d), from the coefficients in V_h."""
         return (self.trace @ vector).reshape(-1, self.dim)
 
-    def Normal(self, vectors):
+    def Normal(self, vectors: Array) -> Array:
         """v_n = v.n, (n,)."""
         return np.einsum("pd,pd->p", vectors, self.normals)
 
-    def Tangential(self, vectors):
+    def Tangential(self, vectors: Array) -> Array:
         """v_t = v - v_n n, (n, d)."""
         return vectors - self.Normal(vectors)[:, None] * self.normals
 
-    def Penetration(self, displacement):
+    def Penetration(self, displacement: Array) -> Array:
         """r = u_n - g, (n,) [length]."""
         return self.Normal(displacement) - self.gap
 
-    def Pressure(self, r):
+    def Pressure(self, r: Array) -> Array:
         """p_n(r), (n,) [stress]."""
         return self._Laws(lambda here, compliance, friction: compliance.Pressure(r[here]))
 
-    def PressureDerivative(self, r):
+    def PressureDerivative(self, r: Array) -> Array:
         """p_n'(r), (n,) [stress/length]."""
         return self._Laws(lambda here, compliance, friction: compliance.PressureDerivative(r[here]))
 
-    def Bound(self, r, slip):
+    def Bound(self, r: Array, slip: Array) -> Array:
         """p_t from penetration and slip |u_t|, (n,) [stress]; zero where there is no friction law."""
         def OfPart(here, compliance, friction):
             if friction is None:
@@ -109,7 +112,7 @@ class ContactBoundary:
             return friction.Bound(r[here], compliance.Pressure(r[here])) * SlipFactor(friction, slip[here])[0]
         return self._Laws(OfPart)
 
-    def Slip(self, displacement):
+    def Slip(self, displacement: Array) -> Array:
         """|u_t|, (n,) [length]."""
         return np.linalg.norm(self.Tangential(displacement), axis=1)
 
@@ -122,12 +125,12 @@ class ContactBoundary:
                                "look at its exponent and its data for the penetrations that occur")
         return values
 
-    def TraceProjection(self, traction):
+    def TraceProjection(self, traction: Array) -> Array:
         """The part of a traction (n, d) that the body feels: its projection on the traces of V_h in L2(Gamma_C), (n, d).
 
         Where the points outnumber the traces (triangles of Gamma_C at higher orders) the rest is not determined by equilibrium.
         """
-        import scipy.sparse.linalg as spla      # slow to import
+        import scipy.sparse.linalg as spla  # slow to import
 
         root = np.repeat(np.sqrt(self.weights), self.dim)
         used = np.flatnonzero(np.diff(self.trace.tocsc().indptr))
@@ -135,7 +138,7 @@ class ContactBoundary:
         coefficients = spla.lsmr(traces, root * traction.ravel(), atol=1e-14, btol=1e-14, conlim=0, maxiter=10 * len(used))[0]
         return (self.trace[:, used] @ coefficients).reshape(-1, self.dim)
 
-    def Load(self, traction):
+    def Load(self, traction: Array) -> Array:
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""
         return self.trace.T @ (self.weights[:, None] * traction).ravel()
 

@@ -3,16 +3,25 @@
 For a smooth solution the theory says |u - u_h|_{1,h} = O(h^k) in the energy norm and |u - u_h| = O(h^(k+1)) in L2.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+from ngsolve import Mesh
 
 from .discretization import Discretization
 from .errors import EnergyError, L2Error, Rates
 from .exceptions import ProblemError
 from .meshes import UnitMesh
+from .protocols import Method, Solver
 from .solvers import UzawaSolver
 from .variants import Label
+
+if TYPE_CHECKING:
+    from .exact import Exact
 
 SOLVER = UzawaSolver()
 
@@ -39,7 +48,9 @@ class Series:
         return Rates(self.energy, ratio), Rates(self.l2, ratio)
 
 
-def Study(exact, method, *, order=1, n=(4, 8, 16), cells="triangle", mesh=UnitMesh, solver=SOLVER, callback=None):
+def Study(exact: Exact, method: Method, *, order: int = 1, n: Sequence[int] = (4, 8, 16), cells: str = "triangle",
+          mesh: Callable[..., Mesh] = UnitMesh, solver: Solver = SOLVER,
+          callback: Callable[[str], object] | None = None) -> Series:
     """Solve an `Exact` problem on a sequence of meshes and return the Series of its errors.
 
     method, order : as for Discretization
@@ -56,7 +67,7 @@ def Study(exact, method, *, order=1, n=(4, 8, 16), cells="triangle", mesh=UnitMe
     True
     """
     if len(n) < 2 or np.any(np.diff(n) <= 0):
-        raise ProblemError(f"n is {n}; an order needs at least two sizes that increase, for example 4 8 16")
+        raise ProblemError(f"n is {n}; an order needs at least two sizes that increase, give for example 4 8 16")
     rows = []
     for size in n:
         if callback:

@@ -1,11 +1,15 @@
 """A problem on a mesh: space, matrix A, load f, inverse, and Gamma_C."""
 
+from __future__ import annotations
+
 import time
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import BilinearForm, GridFunction, LinearForm, Norm, ds, dx
+from ngsolve import BilinearForm, GridFunction, LinearForm, Mesh, Norm, ds, dx
 
 from .coefficients import LOADBONUS, Unfolded
 from .contact import ContactBoundary
@@ -13,10 +17,14 @@ from .exceptions import ProblemError
 from .facets import Csr, Facets, Native, Threads
 from .inverses import Inverse, Kind
 from .problem import ContactProblem
+from .protocols import Array, Method
 from .quadrature import ContactRules
 from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
 from .validation import CheckMesh, CheckProblem, FreeMotion, Springs, Supports
+
+if TYPE_CHECKING:
+    from .solution import ContactSolution, Step
 
 SOFT = 1e-3     # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
 
@@ -43,18 +51,19 @@ class Discretization:
     solves : how often an inverse was applied;  factorisation : seconds that factorisations took
     """
 
-    def __init__(self, problem, method, mesh, *, order=1, assembly="facet", inverse="auto"):
+    def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",
+                 inverse: str = "auto") -> None:
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
         if isinstance(method, type) or not hasattr(method, "Form"):
             raise ProblemError(f"method is {method!r}; give an object such as InteriorPenalty() or Conforming()")
         if isinstance(order, bool) or not isinstance(order, (int, np.integer)) or order < 1:
-            raise ProblemError(f"order is {order!r}; it must be an integer of at least 1, "
-                               "piecewise constants carry no strain")
+            raise ProblemError(f"order is {order!r}; it must be an integer of at least 1, piecewise constants carry no strain")
         if assembly not in ("facet", "skeleton"):
             raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
         CheckMesh(problem, mesh)
-        self.problem, self.method, self.mesh, self.order, self.assembly = problem, method, mesh, int(order), assembly
+        self.method: Any = method
+        self.problem, self.mesh, self.order, self.assembly = problem, mesh, int(order), assembly
         self.facets = Facets(mesh)
         CheckProblem(problem, mesh, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
@@ -62,26 +71,26 @@ class Discretization:
         self.contact = ContactBoundary(problem, self.facets, self.space, scalar, ContactRules(method, mesh.dim, self.order))
         self._supports = Supports(problem, self.facets, self.contact)
         self._inverse = inverse
-        self.solves, self.factorisation, self.addedmatrices, self.addedloads = 0, 0.0, [], []
+        self.solves, self.factorisation, self.addedmatrices, self.addedloads = 0, 0.0, list[Any](), list[Any]()
 
     def __repr__(self):
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "
                 f"{self.space.ndof} dofs, {len(self.contact.weights)} contact points)")
 
     @cached_property
-    def form(self):
+    def form(self) -> Any:
         """B_h of the method, before assembly."""
         if self.mesh.ne != self.facets.incidence.shape[1]:
             raise ProblemError("the mesh was refined after the Discretization was made; make a new one")
         return self.method.Form(self.problem, self.facets, self.space, self.order, self.assembly)
 
     @cached_property
-    def facetform(self):
+    def facetform(self) -> Any:
         """B_h of a discontinuous method from facet operators, whichever route assembles."""
         return self.form if self.assembly == "facet" else self.method.Form(self.problem, self.facets, self.space, self.order,
                                                                            "facet")
 
-    def Add(self, form):
+    def Add(self, form: Any) -> Discretization:
         """Add a BilinearForm or a LinearForm on `space` to B_h or to f, before anything is solved; returns the Discretization.
 
         The sum must stay coercive, which an eigenvalue computation checks.  Forces of added forms appear as "added" in the
@@ -94,9 +103,7 @@ class Discretization:
         ...                          dirichlet={"top": CF((0, 0))})
         >>> disc = Discretization(problem, LDG(), RectangleMesh(4))
         >>> u, v = disc.space.TnT()
-        >>> springs = BilinearForm(disc.space)
-        >>> springs += 3 * u * v * dx
-        >>> disc.Add(springs).matrix.height
+        >>> disc.Add(BilinearForm(3 * u * v * dx)).matrix.height
         192
         """
         if not isinstance(form, (BilinearForm, LinearForm)):
@@ -132,7 +139,7 @@ class Discretization:
             raise ProblemError("form is not linear in the trial function; only bilinear forms can be added")
 
     @cached_property
-    def matrix(self):
+    def matrix(self) -> Any:
         """NGSolve's matrix A of B_h, checked for coercivity."""
         with Threads(self.mesh):
             matrix = self.form.Matrix()
@@ -148,12 +155,12 @@ class Discretization:
         return matrix
 
     @property
-    def loose(self):
+    def loose(self) -> str | None:
         """Words for the rigid motions that neither dirichlet nor roller resist, or None."""
         return FreeMotion(self.facets, self._supports)
 
     @cached_property
-    def unresisted(self):
+    def unresisted(self) -> str | None:
         """Words for the rigid motions that added forms do not resist either, so that only contact does, or None."""
         if not self.loose or not self.addedmatrices:
             return self.loose
@@ -171,22 +178,22 @@ class Discretization:
         return (contact.trace.T @ sp.diags(weights) @ contact.trace).tocsr()
 
     @cached_property
-    def addedmatrix(self):
+    def addedmatrix(self) -> Any:
         """The sum of the added bilinear forms as scipy CSR."""
         return sum(Csr(form.mat) for form in self.addedmatrices)
 
     @property
-    def symmetric(self):
+    def symmetric(self) -> bool:
         """True if A is symmetric, up to the round-off of assembly."""
-        if not self.addedmatrices:
+        if not self.addedmatrices or not self.method.symmetric:
             return self.method.symmetric
-        return self.method.symmetric and abs(self.addedmatrix - self.addedmatrix.T).max() <= 1e-12 * abs(self.addedmatrix).max()
+        return abs(self.addedmatrix - self.addedmatrix.T).max() <= 1e-12 * abs(self.addedmatrix).max()
 
     @cached_property
-    def loads(self):
+    def loads(self) -> dict[tuple[str, str | None], Array]:
         """Coefficients of the loads, {(kind, region): (ndof,)}: body force, tractions, weakly prescribed displacements."""
         v, problem = self.space.TestFunction(), self.problem
-        loads = {}
+        loads: dict[tuple[str, str | None], Array] = {}
         if problem.bodyforce is not None:
             loads["bodyforce", None] = Coefficients(Unfolded(problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
         for region, value in problem.traction.items():
@@ -203,11 +210,11 @@ class Discretization:
         return loads
 
     @property
-    def load(self):
+    def load(self) -> Array:
         return sum(self.loads.values(), np.zeros(self.space.ndof))
 
     @cached_property
-    def prescribed(self):
+    def prescribed(self) -> Array:
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
         function = GridFunction(self.space)
         if not self.method.discontinuous and self.problem.dirichlet:
@@ -216,7 +223,7 @@ class Discretization:
         return function.vec.FV().NumPy().copy()
 
     @cached_property
-    def inverse(self):
+    def inverse(self) -> Any:
         """A^-1 on the free dofs; ProblemError for a body that only its foundation holds, whose A is singular."""
         if self.unresisted:
             raise ProblemError(f"the body is held by its foundation alone: only contact resists {self.unresisted}.  The "
@@ -225,11 +232,11 @@ class Discretization:
         return self.Factorise(self.matrix)
 
     @cached_property
-    def inversekind(self):
+    def inversekind(self) -> str:
         """What solves the linear equations (`inverses` module)."""
         return Kind(self, self._inverse)
 
-    def Factorise(self, matrix):
+    def Factorise(self, matrix: Any) -> Any:
         """The inverse of a matrix on the free dofs; symmetric if A is."""
         start = time.perf_counter()
         with Threads(self.mesh):
@@ -237,7 +244,7 @@ class Discretization:
         self.factorisation += time.perf_counter() - start
         return inverse
 
-    def Multiply(self, vector):
+    def Multiply(self, vector: Array) -> Array:
         """A u, (ndof,) -> (ndof,)."""
         source, target = self.matrix.CreateRowVector(), self.matrix.CreateColVector()
         source.FV().NumPy()[:] = vector
@@ -245,29 +252,28 @@ class Discretization:
             target.data = self.matrix * source
         return target.FV().NumPy().copy()
 
-    # Set by the solvers, which are built on this class.
-    defaultsolver = None
+    defaultsolver: Any = None       # set by the solvers, which are built on this class
 
-    def Solve(self, *, tol=1e-10, coarser=None, callback=None):
+    def Solve(self, *, tol: float = 1e-10, coarser: Sequence[Mesh] | None = None,
+              callback: Callable[[Step], object] | None = None) -> ContactSolution:
         """The ContactSolution by the default solver, `NestedNewtonSolver(tol=tol, coarser=coarser)`, which needs no choices.
 
         NGSolve's function `Solve(disc, ...)` is the same, as it is for NGSolve's own equations.
 
-        >>> from ngsolve import CF
         >>> from ngdgc import *
         >>> from ngdgc.meshes import RectangleMesh
         >>> stiff = Foundation("bottom", NormalCompliance(1e9), friction=CoulombFriction(0.5))
-        >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), stiff, dirichlet={"top": CF((0.01, -0.1))})
+        >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), stiff, dirichlet={"top": (0.01, -0.1)})
         >>> Solve(Discretization(problem, LDG(), RectangleMesh(8), order=1)).converged
         True
         """
         return self.defaultsolver(tol=tol, coarser=coarser).Solve(self, callback=callback)
 
-    def SolveLinear(self, load):
+    def SolveLinear(self, load: Array) -> Array:
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""
         return self.ApplyInverse(self.inverse, load)
 
-    def ApplyInverse(self, inverse, load, **options):
+    def ApplyInverse(self, inverse: Any, load: Array, **options: Any) -> Array:
         """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`; an iterative one to a tolerance."""
         if self.inversekind == "iterative":
             self.solves += 1
@@ -279,7 +285,7 @@ class Discretization:
         self.solves += 1
         return target.FV().NumPy().copy()
 
-    def FreeSolution(self):
+    def FreeSolution(self) -> Array:
         """u with B_h(u, v) = (f, v): the response to the loads without foundation, (ndof,)."""
         lift = self.prescribed
         load = self.load - self.Multiply(lift) if np.any(lift) else self.load
@@ -289,6 +295,6 @@ class Discretization:
                                "coefficients of extreme size and for degenerate elements")
         return free
 
-    def Response(self, traction):
+    def Response(self, traction: Array) -> Array:
         """S t = A^-1 T' W t, the displacement caused by a traction t (n, d) on Gamma_C, as coefficients (ndof,)."""
         return self.SolveLinear(self.contact.Load(traction))

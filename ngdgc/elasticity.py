@@ -1,22 +1,26 @@
 """Linear elastic materials: sigma = C eps(u), with C as in (2.11) of Xiao, Wang, Han 2018."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CF, Grad, Id, Sym, Trace
+from ngsolve import CF, Grad, Id, Mesh, Sym, Trace
 
 from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
 from .exceptions import ProblemError
 from .formula import Described
+from .protocols import Array, Datum
 
 
-def Strain(u):
+def Strain(u: Any) -> Any:
     """eps(u) = (grad u + grad u^T)/2, of a trial or test function or a GridFunction; shape (d, d), no unit."""
     return Sym(Grad(u))
 
 
-def StiffnessAt(material, points, dim):
+def StiffnessAt(material: HookeMaterial | AnisotropicMaterial, points: Any, dim: int) -> Array:
     """C_ijkl at mesh points, (npoints, d, d, d, d) [stress]; ProblemError if it is not finite."""
     C = np.empty((len(points), dim, dim, dim, dim))
     for k in range(dim):
@@ -53,10 +57,14 @@ class HookeMaterial:
     lam: Any = None
     plane: str = "strain"
 
-    def __repr__(self):
+    if TYPE_CHECKING:       # what is given; mu and lam are computed
+        def __init__(self, *, E: Datum | None = None, nu: Datum | None = None, mu: Datum | None = None,
+                     lam: Datum | None = None, plane: str = "strain") -> None: ...
+
+    def __repr__(self) -> str:
         return Described(self, *(("mu", "lam") if self.E is None else ("E", "nu")), "plane")
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.plane not in ("strain", "stress"):
             raise ProblemError(f"plane={self.plane!r}; choose 'strain' or 'stress'")
         given = {name for name in ("E", "nu", "mu", "lam") if getattr(self, name) is not None}
@@ -79,28 +87,28 @@ class HookeMaterial:
         object.__setattr__(self, "mu", mu)
         object.__setattr__(self, "lam", lam)
 
-    def Stress(self, strain):
+    def Stress(self, strain: Any) -> Any:
         """C strain, shape (d, d) [stress]."""
         return self.lam * Trace(strain) * Id(strain.dims[0]) + 2 * self.mu * strain
 
     @property
-    def bonus(self):
+    def bonus(self) -> int:
         """Quadrature degrees that integrals with C need beyond those of the displacement: 2 if C varies in space."""
         return 0 if IsNumber(self.mu) and IsNumber(self.lam) else 2
 
-    def OtherStress(self, strain):
+    def OtherStress(self, strain: Any) -> Any:
         """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""
         mu, lam = (value if IsNumber(value) else value.Other() for value in (self.mu, self.lam))
         return lam * Trace(strain) * Id(strain.dims[0]) + 2 * mu * strain
 
-    def ShearAt(self, points):
+    def ShearAt(self, points: Any) -> Array:
         """mu at mesh points, shape (npoints,) [stress]: the scale of the paper's penalty."""
         return ValuesAt(self.mu, points, "mu")
 
-    def Check(self, mesh, points):
+    def Check(self, mesh: Mesh, points: Any) -> None:
         """Raise ProblemError unless C is finite and positive definite at the points."""
         if mesh.dim == 3 and self.plane == "stress":
-            raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only")
+            raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only, take plane='strain'")
         if self.nu is not None:
             nu = ValuesAt(self.nu, points, "nu")
             CheckRange(nu, "nu", above=-1)
@@ -126,11 +134,14 @@ class AnisotropicMaterial:
 
     voigt: Any
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, voigt: Sequence[Sequence[Datum]]) -> None: ...
+
+    def __post_init__(self) -> None:
         try:
             rows = tuple(tuple(row) for row in self.voigt)
         except TypeError:
-            raise ProblemError("voigt must be a 3 x 3 (2D) or 6 x 6 (3D) matrix") from None
+            raise ProblemError(f"voigt is {self.voigt!r}; give a 3 x 3 (2D) or 6 x 6 (3D) matrix") from None
         if len(rows) not in (3, 6) or any(len(row) != len(rows) for row in rows):
             raise ProblemError(f"voigt has {len(rows)} rows of lengths {[len(row) for row in rows]}; "
                                "it must be 3 x 3 (2D) or 6 x 6 (3D)")
@@ -141,7 +152,7 @@ class AnisotropicMaterial:
             self._CheckMatrices(np.array(entries)[None])
 
     @property
-    def dim(self):
+    def dim(self) -> int:
         return 2 if len(self.voigt) == 3 else 3
 
     @property
@@ -155,30 +166,27 @@ class AnisotropicMaterial:
         d = self.dim
         return CF(tuple(stresses[index[frozenset((i, j))]] for i in range(d) for j in range(d)), dims=(d, d))
 
-    def Stress(self, strain):
+    def Stress(self, strain: Any) -> Any:
         """C strain, shape (d, d) [stress]."""
         return self._Contract(strain, self.voigt)
 
     @property
-    def bonus(self):
+    def bonus(self) -> int:
         """Quadrature degrees that integrals with C need beyond those of the displacement: 2 if C varies in space."""
         return 0 if all(IsNumber(entry) for row in self.voigt for entry in row) else 2
 
-    def OtherStress(self, strain):
+    def OtherStress(self, strain: Any) -> Any:
         """C strain with the coefficients of the neighbour across a facet, in skeleton integrals."""
         return self._Contract(strain, [[entry if IsNumber(entry) else entry.Other() for entry in row]
                                        for row in self.voigt])
 
-    def ShearAt(self, points):
+    def ShearAt(self, points: Any) -> Array:
         """Largest of the shear moduli C_ijij, i != j, at mesh points, shape (npoints,) [stress]."""
         shear = range(self.dim, len(self.voigt))
         return np.max([ValuesAt(self.voigt[i][i], points, f"voigt[{i}][{i}]") for i in shear], axis=0)
 
-    def Check(self, mesh, points):
+    def Check(self, mesh: Mesh, points: Any) -> None:
         """Raise ProblemError unless C is finite, symmetric and positive definite at the points."""
-        if mesh.dim != self.dim:
-            raise ProblemError(f"the {len(self.voigt)} x {len(self.voigt)} voigt matrix is for dimension {self.dim}, "
-                               f"the mesh has dimension {mesh.dim}")
         self._CheckMatrices(np.moveaxis(np.array(
             [[ValuesAt(entry, points, f"voigt[{i}][{j}]") for j, entry in enumerate(row)]
              for i, row in enumerate(self.voigt)]), 2, 0))
@@ -188,7 +196,9 @@ class AnisotropicMaterial:
         asymmetry = np.abs(matrices - np.swapaxes(matrices, 1, 2)).max()
         # Round-off of entries that are computed, not typed.
         if asymmetry > 1e-12 * np.abs(matrices).max():
-            raise ProblemError(f"voigt is not symmetric: entries differ by {asymmetry:g}; C must have C_ijkl = C_klij")
+            raise ProblemError(f"voigt is not symmetric: entries differ by {asymmetry:g}; give a matrix equal to "
+                               "its transpose, C_ijkl = C_klij")
         smallest = np.linalg.eigvalsh(matrices).min()
         if smallest <= 0:
-            raise ProblemError(f"voigt is not positive definite: its smallest eigenvalue is {smallest:g}")
+            raise ProblemError(f"voigt is not positive definite: its smallest eigenvalue is {smallest:g}; all must be "
+                               "positive, so that every strain costs energy: look at signs and at the order of the entries")

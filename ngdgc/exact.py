@@ -5,6 +5,8 @@ Rectangles come from `meshes.RectangleMesh`, whose sides are "bottom", "right", 
 "bottom", "top" (z = 0, 1), "back", "front" (x = 0, 1) and "left", "right" (y = 0, 1).
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
@@ -40,19 +42,19 @@ def _Everywhere(zone):
     return lambda points: np.full(len(points), zone)
 
 
-def ExactStrain(u):
+def ExactStrain(u: Any) -> Any:
     """eps(u) of a CoefficientFunction with d = 2 or 3 components, by symbolic differentiation, shape (d, d), no unit."""
     d = u.dim
     return Sym(CF(tuple(u[i].Diff(xj) for i in range(d) for xj in (x, y, z)[:d]), dims=(d, d)))
 
 
-def BodyForce(material, u):
+def BodyForce(material: Any, u: Any) -> Any:
     """f_1 = -div C eps(u) [stress/length], for constant or varying C."""
     stress = material.Stress(ExactStrain(u))
     return CF(tuple(-sum(stress[i, j].Diff(xj) for j, xj in enumerate((x, y, z)[:u.dim])) for i in range(u.dim)))
 
 
-def Traction(material, u):
+def Traction(material: Any, u: Any) -> Any:
     """sigma(u) n on the boundary [stress]."""
     return material.Stress(ExactStrain(u)) * specialcf.normal(u.dim)
 
@@ -62,14 +64,15 @@ def _Plane(ut, un, dim):
     return CF((ut, un)) if dim == 2 else CF((OBLIQUE[0] * ut, OBLIQUE[1] * ut, un))
 
 
-def CheckDimension(dim):
+def CheckDimension(dim: int) -> None:
     """Raise ProblemError unless dim is 2 or 3."""
     if dim not in (2, 3):
         raise ProblemError(f"dim is {dim!r}; choose 2 or 3")
 
 
-def AffinePatch(zone, *, material=None, stiffness=100.0, exponent=1, bound=3.0, gap=0.1, coulomb=None, sides="dirichlet",
-                dim=2):
+def AffinePatch(zone: str, *, material: HookeMaterial | None = None, stiffness: float = 100.0, exponent: float = 1,
+                bound: float = 3.0, gap: float = 0.1, coulomb: float | None = None, sides: str = "dirichlet",
+                dim: int = 2) -> Exact:
     """B0: u_t = (c + s h) e, u_h = -w - e h on (0,1)^dim, h the height; every consistent method returns it to round-off.
 
     On h = 0: u_n = w, sigma_n = -(lam + 2 mu) e, sigma_t = -mu s along the tangent, x in 2D and OBLIQUE in 3D, and
@@ -79,11 +82,14 @@ def AffinePatch(zone, *, material=None, stiffness=100.0, exponent=1, bound=3.0, 
     the tangential part of sigma n on the walls.  With `coulomb` the friction is p_t = coulomb p_n instead of Tresca's `bound`.
 
     Raises ProblemError for an unknown zone, `sides` or dimension.
+
+    >>> AffinePatch("stick").zones(np.zeros((1, 2)))
+    array([1])
     """
     CheckDimension(dim)
     material = material or HookeMaterial(mu=1000.0, lam=1500.0)
-    law = NormalCompliance(stiffness, exponent)
-    friction = TrescaFriction(bound) if coulomb is None else CoulombFriction(coulomb)
+    law: Any = NormalCompliance(stiffness, exponent)
+    friction: Any = TrescaFriction(bound) if coulomb is None else CoulombFriction(coulomb)
     if zone not in ("slip", "stick", "open"):
         raise ProblemError(f"zone is {zone!r}; choose 'slip', 'stick' or 'open'")
     w = gap + (0.2 if zone != "open" else -0.05)
@@ -110,7 +116,8 @@ def _Supports(material, u, sides):
     raise ProblemError(f"sides is {sides!r}; choose 'dirichlet', 'traction' or 'roller'")
 
 
-def WinklerColumn(*, stiffness=100.0, exponent=1, material=None, gap=0.1, pressure=20.0, height=1.0, load="displacement"):
+def WinklerColumn(*, stiffness: float = 100.0, exponent: float = 1, material: HookeMaterial | None = None, gap: float = 0.1,
+                  pressure: float = 20.0, height: float = 1.0, load: str = "displacement") -> Exact:
     """B1: a column of height H between rollers, pressed down at its top; u_y is linear.
 
     With P = `pressure` on Gamma_C, u_n = g + (P/k)^(1/m) there and the top moves by d = u_n + P H/(lam + 2 mu).  The `load` on
@@ -118,20 +125,25 @@ def WinklerColumn(*, stiffness=100.0, exponent=1, material=None, gap=0.1, pressu
     k H/(lam + 2 mu), or "pressure", P, when the foundation alone holds the column and A is singular.
 
     Raises ProblemError for an unknown load.
+
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> mesh = RectangleMesh(1)
+    >>> round(WinklerColumn(stiffness=100, pressure=20, gap=0.1).displacement(mesh(0, 0))[1], 12)
+    -0.3
     """
     if load not in ("displacement", "pressure"):
         raise ProblemError(f"load is {load!r}; choose 'displacement' or 'pressure'")
     material = material or HookeMaterial(mu=1000.0, lam=1500.0)
     depth = gap + (pressure / stiffness) ** (1 / exponent)
     rate = pressure / (material.lam + 2 * material.mu)
-    top = ({"dirichlet": {"top": CF((0, -depth - rate * height))}} if load == "displacement"
+    top: dict[str, Any] = ({"dirichlet": {"top": CF((0, -depth - rate * height))}} if load == "displacement"
            else {"traction": {"top": CF((0, -pressure))}})
     problem = ContactProblem(material, Foundation("bottom", NormalCompliance(stiffness, exponent), gap=gap),
                              roller={"left|right": 0}, **top)
     return Exact(problem, CF((0, -depth - rate * y)), _Everywhere(SLIP))
 
 
-def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
+def SmoothSlip(*, lam: float = 1.0, mu: float = 2.0, stiffness: float = 1.0, exponent: float = 1, dim: int = 2) -> Exact:
     """B2: smooth solution that slips everywhere, after Chouly, Ern, Pignet, SIAM J. Sci. Comput. 42 (2020).
 
     u = (s e^(sh) (1 + c), h e^(sh) (c - 1))/6 on (0,1)^dim with c = 1/(1 + lam), s the coordinate along the contact plane and h
@@ -140,10 +152,13 @@ def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
     |sigma_t| = mu s^2 (lam + 2)/(6 (1 + lam)) opposes u_t; so g = -(p*/k)^(1/m) and Coulomb's coefficient is |sigma_t|/p*.
 
     Raises ProblemError for mu <= 1 or lam <= 0, which would need a foundation that pulls, and for an unknown dimension.
+
+    >>> SmoothSlip(dim=3).problem.dim
+    3
     """
     CheckDimension(dim)
     if not (mu > 1 and lam > 0):
-        raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; the foundation pushes for mu > 1 and lam > 0 only")
+        raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; take mu > 1 and lam > 0, else the foundation would pull")
     material = HookeMaterial(mu=mu, lam=lam)
     s, height = (x, y) if dim == 2 else (OBLIQUE[0] * x + OBLIQUE[1] * y, z)
     c = 1 / (1 + lam)
@@ -155,11 +170,14 @@ def SmoothSlip(*, lam=1.0, mu=2.0, stiffness=1.0, exponent=1, dim=2):
     return Exact(problem, u, _Everywhere(SLIP))
 
 
-def CubicCompliance(*, E=12000.0, nu=0.42, alpha=0.05, friction: FrictionLaw | None = None):
+def CubicCompliance(*, E: float = 12000.0, nu: float = 0.42, alpha: float = 0.05, friction: FrictionLaw | None = None) -> Exact:
     """B5: u = alpha (2xy + x y^2, -x^2 (1 + y)) on (0,2) x (0,1), after an example of the program conmech.
 
     u = 0 on x = 0, u_t = 0 and sigma_t = 0 on the contact side, p_n(r) = (lam + 2 mu) r with gap 0: a solution for any
     friction law that has a bound, and exact for orders of at least 3.  The foundation is too stiff for an explicit iteration.
+
+    >>> CubicCompliance().zones(np.zeros((1, 2)))
+    array([2])
     """
     material = HookeMaterial(E=E, nu=nu)
     u = alpha * CF((2 * x * y + x * y ** 2, -x ** 2 * (1 + y)))

@@ -16,6 +16,14 @@ def Flux(solution):
     over K cancel, which is (3.10) tested with rigid motions.  Forces of forms that were added are not in it.
 
     Raises ProblemError for the conforming method, which has no numerical flux.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> Flux(Solve(disc)).dim
+    2
     """
     disc = solution.disc
     if not disc.method.discontinuous:

@@ -5,9 +5,11 @@ Data of a law that are CoefficientFunctions are evaluated at those points once, 
 object with the methods of `ComplianceLaw` or `FrictionLaw`, best a frozen dataclass.
 """
 
+from __future__ import annotations
+
 from copy import copy
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import CoefficientFunction
@@ -16,9 +18,13 @@ from .coefficients import CheckNumber, CheckRange, IsNumber, Pointwise, RegionNa
 from .exceptions import ProblemError
 from .formula import Described
 from .hypotheses import CheckCompliance, CheckFriction, CheckLaws
+from .protocols import Array, Compliance, Datum, Friction
+
+if TYPE_CHECKING:
+    from .hypotheses import LawReport
 
 
-def LawAt(law, points, name=""):
+def LawAt(law: Any, points: Any, name: str = "") -> Any:
     """The law with every CoefficientFunction among its attributes replaced by its values at mesh points."""
     if not Pointwise(law):
         return law
@@ -38,13 +44,13 @@ class ComplianceLaw:
     `Pressure(r)` and `PressureDerivative(r)` map arrays (npoints,) to arrays (npoints,); p_n(r) = 0 for r <= 0.
     """
 
-    def Pressure(self, r):
-        raise NotImplementedError
+    def Pressure(self, r: Array) -> Array:
+        raise _Missing(self, "Pressure(r)")
 
-    def PressureDerivative(self, r):
-        raise NotImplementedError
+    def PressureDerivative(self, r: Array) -> Array:
+        raise _Missing(self, "PressureDerivative(r)")
 
-    def Check(self, *, depth=1.0):
+    def Check(self, *, depth: float = 1.0) -> LawReport:
         """The `LawReport` for penetrations up to `depth` [length]: (2.13), Lipschitz constant, monotone or not.
 
         >>> NormalCompliance(stiffness=3, exponent=0.5).Check().problems
@@ -61,10 +67,10 @@ class FrictionLaw:
     pair of a factor >= 0 [1] and its derivative [1/length], which is (1, 0) otherwise.
     """
 
-    def Bound(self, r, p):
-        raise NotImplementedError
+    def Bound(self, r: Array, p: Array) -> Array:
+        raise _Missing(self, "Bound(r, p)")
 
-    def Check(self, compliance, *, depth=1.0, slip=1.0):
+    def Check(self, compliance: Compliance, *, depth: float = 1.0, slip: float = 1.0) -> LawReport:
         """The `LawReport` for penetrations up to `depth` and slips up to `slip` [length].
 
         The bound is a function of the penetration, as (2.13) has it, only with the pressure p_n(r) of a `compliance` law.
@@ -92,20 +98,23 @@ class NormalCompliance(ComplianceLaw):
     exponent: float = 1
     __repr__ = Described
 
-    def __post_init__(self):
+    if TYPE_CHECKING:       # what is given; what is kept is a number, a CoefficientFunction or an array
+        def __init__(self, stiffness: Datum, exponent: float = 1) -> None: ...
+
+    def __post_init__(self) -> None:
         if not isinstance(self.stiffness, np.ndarray):
             object.__setattr__(self, "stiffness", Scalar(self.stiffness, "stiffness"))
         if not IsNumber(self.exponent) or not 0 < self.exponent < np.inf:
             raise ProblemError(f"exponent is {self.exponent!r}; it must be a positive number")
         CheckNumber(self.stiffness, "stiffness", least=0)
 
-    def CheckData(self, name=""):
+    def CheckData(self, name: str = "") -> None:
         CheckRange(self.stiffness, f"{name}stiffness", least=0)
 
-    def Pressure(self, r):
+    def Pressure(self, r: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent
 
-    def PressureDerivative(self, r):
+    def PressureDerivative(self, r: Array) -> Array:
         inside = r > 0
         return self.stiffness * self.exponent * np.where(inside, np.where(inside, r, 1) ** (self.exponent - 1), 0)
 
@@ -121,18 +130,21 @@ class CoulombFriction(FrictionLaw):
     coefficient: Any
     __repr__ = Described
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, coefficient: Datum) -> None: ...
+
+    def __post_init__(self) -> None:
         if not isinstance(self.coefficient, np.ndarray):
             object.__setattr__(self, "coefficient", Scalar(self.coefficient, "coefficient"))
         CheckNumber(self.coefficient, "coefficient", least=0)
 
-    def CheckData(self, name=""):
+    def CheckData(self, name: str = "") -> None:
         CheckRange(self.coefficient, f"{name}coefficient", least=0)
 
-    def Bound(self, r, p):
+    def Bound(self, r: Array, p: Array) -> Array:
         return self.coefficient * p
 
-    def BoundDerivatives(self, r, p):
+    def BoundDerivatives(self, r: Array, p: Array) -> tuple[Array, Array]:
         return np.zeros_like(r), self.coefficient * np.ones_like(r)
 
 
@@ -153,7 +165,10 @@ class SlipWeakeningFriction(FrictionLaw):
     distance: Any
     __repr__ = Described
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, static: Datum, dynamic: Datum, distance: Datum) -> None: ...
+
+    def __post_init__(self) -> None:
         for name in ("static", "dynamic", "distance"):
             if not isinstance(getattr(self, name), np.ndarray):
                 object.__setattr__(self, name, Scalar(getattr(self, name), name))
@@ -161,18 +176,18 @@ class SlipWeakeningFriction(FrictionLaw):
         CheckNumber(self.dynamic, "dynamic", least=0)
         CheckNumber(self.distance, "distance", above=0)
 
-    def CheckData(self, name=""):
+    def CheckData(self, name: str = "") -> None:
         CheckRange(self.static, f"{name}static", least=0)
         CheckRange(self.dynamic, f"{name}dynamic", least=0)
         CheckRange(self.distance, f"{name}distance", above=0)
 
-    def Bound(self, r, p):
+    def Bound(self, r: Array, p: Array) -> Array:
         return 1.0 * p
 
-    def BoundDerivatives(self, r, p):
+    def BoundDerivatives(self, r: Array, p: Array) -> tuple[Array, Array]:
         return np.zeros_like(r), np.ones_like(r)
 
-    def Coefficient(self, slip):
+    def Coefficient(self, slip: Array) -> tuple[Array, Array]:
         fading = (self.static - self.dynamic) * np.exp(-slip / self.distance)
         return self.dynamic + fading, -fading / self.distance
 
@@ -191,17 +206,20 @@ class PowerFriction(FrictionLaw):
     exponent: float = 1
     __repr__ = Described
 
-    def __post_init__(self):
-        NormalCompliance.__post_init__(self)
+    if TYPE_CHECKING:       # what is given; what is kept is a number, a CoefficientFunction or an array
+        def __init__(self, stiffness: Datum, exponent: float = 1) -> None: ...
 
-    def CheckData(self, name=""):
+    def __post_init__(self) -> None:
+        NormalCompliance.__post_init__(self)     # type: ignore[arg-type]  # of the same two data
+
+    def CheckData(self, name: str = "") -> None:
         CheckRange(self.stiffness, f"{name}stiffness", least=0)
 
-    def Bound(self, r, p):
+    def Bound(self, r: Array, p: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent
 
-    def BoundDerivatives(self, r, p):
-        return NormalCompliance.PressureDerivative(self, r), np.zeros_like(r)
+    def BoundDerivatives(self, r: Array, p: Array) -> tuple[Array, Array]:
+        return NormalCompliance.PressureDerivative(self, r), np.zeros_like(r)    # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -215,18 +233,21 @@ class TrescaFriction(FrictionLaw):
     bound: Any
     __repr__ = Described
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, bound: Datum) -> None: ...
+
+    def __post_init__(self) -> None:
         if not isinstance(self.bound, np.ndarray):
             object.__setattr__(self, "bound", Scalar(self.bound, "bound"))
         CheckNumber(self.bound, "bound", least=0)
 
-    def CheckData(self, name=""):
+    def CheckData(self, name: str = "") -> None:
         CheckRange(self.bound, f"{name}bound", least=0)
 
-    def Bound(self, r, p):
+    def Bound(self, r: Array, p: Array) -> Array:
         return np.broadcast_to(np.asarray(self.bound, dtype=float), np.shape(r)).copy()
 
-    def BoundDerivatives(self, r, p):
+    def BoundDerivatives(self, r: Array, p: Array) -> tuple[Array, Array]:
         return np.zeros_like(r), np.zeros_like(r)
 
 
@@ -246,12 +267,16 @@ class Foundation:
     """
 
     boundary: str
-    compliance: ComplianceLaw
-    friction: FrictionLaw | None = None
+    compliance: Any
+    friction: Any = None
     gap: Any = 0.0
     __repr__ = Described
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, boundary: str, compliance: Compliance, friction: Friction | None = None,
+                     gap: Datum = 0.0) -> None: ...
+
+    def __post_init__(self) -> None:
         RegionName(self.boundary, "foundation")
         if not _Has(self.compliance, "Pressure", "PressureDerivative"):
             raise ProblemError(f"compliance is {self.compliance!r}; give a law such as NormalCompliance(stiffness=450), an "
@@ -265,9 +290,13 @@ class Foundation:
         if self.friction is not None and not Pointwise(self.friction):
             CheckFriction(self.friction, np.ones(1), np.ones(1), f"the foundation of {self.boundary!r}")
 
-    def Check(self, *, depth=1.0, slip=1.0):
+    def Check(self, *, depth: float = 1.0, slip: float = 1.0) -> LawReport:
         """The `LawReport` of both laws for penetrations up to `depth` and slips up to `slip` [length]; see `CheckLaws`."""
         return CheckLaws(self.compliance, self.friction, depth=depth, slip=slip)
+
+
+def _Missing(law, method):
+    return ProblemError(f"{type(law).__name__} has no method {method}; write it, arrays (npoints,) -> array (npoints,)")
 
 
 def _Has(law, *methods):

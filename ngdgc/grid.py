@@ -1,5 +1,7 @@
 """A grid of parameters on which the default solver is tried: geometry x coefficient of friction x k_n/E x h x order."""
 
+from __future__ import annotations
+
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -54,7 +56,7 @@ def _Sample(geometry, n, order, stiffness, coefficient):
     return Sample(problem, InteriorPenalty(), mesh, n, order, "coulomb", stiffness, coefficient, words)
 
 
-def Block(stiffness, coefficient, *, depth=0.01):
+def Block(stiffness: float, coefficient: float, *, depth: float = 0.01) -> ContactProblem:
     """A unit square with E = 1, its top lowered by `depth` [length] and sheared over a slope: it separates, sticks and slips.
 
     The shear is a part of what friction on this foundation can bear, so that all three zones are there for all parameters.

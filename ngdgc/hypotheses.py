@@ -3,12 +3,15 @@
 A law is any object with the methods of `foundation.ComplianceLaw` or `foundation.FrictionLaw`; nothing else is used here.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import numpy as np
 
 from .coefficients import IsNumber, Pointwise
 from .exceptions import ProblemError
+from .protocols import Compliance, Friction
 
 SCALES = np.logspace(-6, 0, 25)     # of penetration, pressure and slip at which derivatives are compared
 STEP = 1e-5         # of differences, relative: their error is 1e-10 of the third derivative and 1e-11 of round-off
@@ -41,7 +44,7 @@ def CheckCompliance(law, npoints, name):
     """Check (2.13) and the derivative of a law at `npoints` points, for penetrations from 1e-6 to 1."""
     for r in (-1.0, 0.0):
         if np.any(law.Pressure(np.full(npoints, r)) != 0):
-            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; p_n(r) = 0 for r <= 0 (2.13)")
+            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; it must be 0 for r <= 0 (2.13)")
     for r in SCALES:
         at = np.full(npoints, r)
         with np.errstate(all="ignore"):
@@ -49,10 +52,10 @@ def CheckCompliance(law, npoints, name):
         if np.shape(p) != at.shape:
             raise ProblemError(f"{name}: the pressure has shape {np.shape(p)} for {npoints} points; give one value per point")
         if np.any(p < 0):
-            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative")
+            raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative; it must be >= 0 (2.13)")
         if _Differs(law.Pressure, law.PressureDerivative, at):
             raise ProblemError(f"{name}: PressureDerivative differs from the finite difference of Pressure at "
-                               f"penetration {r:g}")
+                               f"penetration {r:g}; mend the one that is wrong")
 
 
 def CheckFriction(law, r, p, name):
@@ -65,14 +68,16 @@ def CheckFriction(law, r, p, name):
             bound = np.asarray(law.Bound(at, pressed))
         # The unit of length is unknown: a law may overflow at the largest values, which may never occur.
         if bound.shape != r.shape or np.any(bound < 0) or fraction == SCALES[0] and not np.all(np.isfinite(bound)):
-            raise ProblemError(f"{name}: the friction bound is negative, not finite, or not one value per point")
+            raise ProblemError(f"{name}: the friction bound is negative, not finite, or not one value per point; it must be "
+                               "p_t >= 0, an array (npoints,)")
         if not hasattr(law, "BoundDerivatives"):
             continue
         for number, (word, Value, start) in enumerate((("penetration", lambda values, p=pressed: law.Bound(values, p), at),
                                                        ("pressure", lambda values, r=at: law.Bound(r, values), pressed))):
             if _Differs(Value, lambda values, number=number, r=at, p=pressed: law.BoundDerivatives(r, p)[number], start):
                 raise ProblemError(f"{name}: BoundDerivatives differs from the finite difference of Bound by the {word}, at "
-                                   f"penetration {at[0]:g} and pressure {pressed[0]:g}")
+                                   f"penetration {at[0]:g} and pressure {pressed[0]:g}; mend one of them, or leave "
+                                   "BoundDerivatives out")
     if hasattr(law, "Coefficient"):
         _CheckCoefficient(law, np.ones_like(r), name)
 
@@ -85,10 +90,10 @@ def _CheckCoefficient(law, ones, name):
             raise ProblemError(f"{name}: Coefficient(slip) returns {law.Coefficient(slip * ones)!r}; give the pair of the "
                                "factor and its derivative, one value per point each") from None
         if np.any(factor < 0) or not np.all(np.isfinite(factor)):
-            raise ProblemError(f"{name}: the friction Coefficient is negative or not finite at slip {slip:g}")
+            raise ProblemError(f"{name}: the friction Coefficient is negative or not finite at slip {slip:g}; it must be >= 0")
         if slip and _Differs(lambda s: law.Coefficient(s)[0], lambda s: law.Coefficient(s)[1], slip * ones):
             raise ProblemError(f"{name}: the derivative that Coefficient returns differs from its finite difference at slip "
-                               f"{slip:g}")
+                               f"{slip:g}; mend the one that is wrong")
 
 
 def _Differs(Value, Derivative, at):
@@ -128,12 +133,12 @@ class LawReport:
     remarks: tuple
 
     @property
-    def monotone(self):
+    def monotone(self) -> bool:
         """True if p_n does not decrease."""
         return not np.any(self.decrease > 0)
 
     @property
-    def valid(self):
+    def valid(self) -> bool:
         """True if (2.13) holds over the range."""
         return not self.problems
 
@@ -152,7 +157,8 @@ def _Lipschitz(symbol, constants):
     return f"Lipschitz, {symbol} = {constants.max():.4g}" if np.all(np.isfinite(constants)) else "not Lipschitz"
 
 
-def CheckLaws(compliance, friction=None, *, depth=1.0, slip=1.0, npoints=1):
+def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth: float = 1.0, slip: float = 1.0,
+              npoints: int = 1) -> LawReport:
     """The `LawReport` of a compliance law and a friction law or None, any objects with their methods.
 
     The laws are looked at for penetrations in [-depth, depth] and slips in [0, slip] [length]; hypotheses (2.13) are
@@ -188,7 +194,7 @@ def CheckLaws(compliance, friction=None, *, depth=1.0, slip=1.0, npoints=1):
     problems, remarks = _Violations(compliance.Pressure, Bound, depth, zeros)
     problems += [f"{name} is not Lipschitz" for name, constant in (("p_n", constants[0]), ("p_t", constants[2]))
                  if not np.all(np.isfinite(constant))]
-    return LawReport(depth, slip, *constants, weakening, tuple(problems), tuple(remarks))
+    return LawReport(depth, slip, constants[0], constants[1], constants[2], weakening, tuple(problems), tuple(remarks))
 
 
 def _Violations(Pressure, Bound, depth, zeros):

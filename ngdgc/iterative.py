@@ -4,6 +4,10 @@ Hestenes, Stiefel 1952 with the fixed V-cycle of the `preconditioner` module: me
 in 3D those of a factorisation like its powers 4/3 and 2.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import BaseMatrix, InnerProduct, Norm
@@ -11,6 +15,7 @@ from ngsolve import BaseMatrix, InnerProduct, Norm
 from .exceptions import ProblemError
 from .facets import Threads
 from .preconditioner import Preconditioner
+from .protocols import Array
 
 TOL = 1e-8
 MAXITER = 500
@@ -51,7 +56,7 @@ class IterativeInverse(BaseMatrix):
     (True, True)
     """
 
-    def __init__(self, disc, matrix, *, tol=TOL, maxiter=MAXITER):
+    def __init__(self, disc: Any, matrix: Any, *, tol: float = TOL, maxiter: int = MAXITER) -> None:
         super().__init__()
         if not (disc.method.discontinuous and disc.symmetric):
             raise ProblemError(f"conjugate gradients need a symmetric discontinuous method, {disc.method.name} is none; take "
@@ -79,7 +84,7 @@ class IterativeInverse(BaseMatrix):
         self._Iterate(self.tol)
         x.data = self._x
 
-    def Solve(self, load, *, tol=None, start=None):
+    def Solve(self, load: Array, *, tol: float | None = None, start: Array | None = None) -> Array:
         """A^-1 load, (ndof,) -> (ndof,), to another tolerance, or from a start (ndof,) near the solution."""
         self._b.FV().NumPy()[:] = load
         self._x.FV().NumPy()[:] = 0 if start is None else start
@@ -104,7 +109,7 @@ class IterativeInverse(BaseMatrix):
         size, before, left = Norm(b), np.inf, self.maxiter
         self.solves += 1
         if not np.isfinite(size):
-            raise ProblemError("the load is not finite")
+            raise ProblemError("the load is not finite; look for a division by zero in what it is made of")
         while True:
             r.data = b - self.matrix * x
             norm = Norm(r)
@@ -141,7 +146,7 @@ class IterativeInverse(BaseMatrix):
         return steps
 
 
-def DirectMemory(elements, entries, dim):
+def DirectMemory(elements: int, entries: int, dim: int) -> int:
     """Bytes that the sparse Cholesky factorisation of a matrix needs at its peak, from its elements and entries (nnz).
 
     Nested dissection (George 1973): separators of about elements^(2/3) in 3D, elements^(1/2) in 2D, so
@@ -152,7 +157,7 @@ def DirectMemory(elements, entries, dim):
     return int(entries * (11 * elements ** (1 / 3) if dim == 3 else 4 * np.log2(max(elements, 2))))
 
 
-def IterativeMemory(entries):
+def IterativeMemory(entries: int) -> int:
     """Bytes of an assembled matrix with this number of entries and its `IterativeInverse`, at the peak.
 
     50 for each entry: the growth of the resident memory from assembly to solution at a million unknowns of order 1.

@@ -8,17 +8,24 @@ h_e the diameter of e and mu_e the larger shear modulus of the two sides.  On V_
 is bounded by the first one and is left out.  For the conforming method E0 are the rollers.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import BilinearForm, InnerProduct, ds, dx, specialcf
+from ngsolve import BilinearForm, InnerProduct, Mesh, ds, dx, specialcf
 
 from .discretization import Discretization
 from .elasticity import Strain
 from .exceptions import ProblemError
 from .facets import Threads, VolumePoints
 from .lifting import Lifting
+from .protocols import Array
 from .stability import ExtremeEigenvalue, FreePart, Inverse, SmallestEigenvalue, Symmetric
+
+if TYPE_CHECKING:
+    from .problem import ContactProblem
 
 ENOUGH = 0.1        # smallest eigenvalue in its own norm from which a form is taken for safely coercive
 
@@ -28,7 +35,7 @@ def _TensorJumps(w, s, n):
     return 0.5 * (w * s + (w * n) * (s * n))
 
 
-def NormMatrix(disc):
+def NormMatrix(disc: Discretization) -> Any:
     """NGSolve's matrix of |||.||| on V_h, from its definition above."""
     problem, mesh, facets, n = disc.problem, disc.mesh, disc.facets, specialcf.normal(disc.mesh.dim)
     points = VolumePoints(mesh, 2 * disc.order)
@@ -62,12 +69,20 @@ def _Pencil(disc):
         return FreePart(disc.form.Matrix(), free), norm, Inverse(norm)
 
 
-def Coercivity(disc):
+def Coercivity(disc: Discretization) -> float:
     """Largest c with B_h(v, v) >= c |||v|||^2 on V_h (Lemma 3.4), negative if B_h is not coercive; no unit.
 
     disc : Discretization of any method; of an unsymmetric form the symmetric part counts.
 
     Raises ProblemError for a body that only its foundation holds.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> 0 < Coercivity(disc) < Boundedness(disc)
+    True
     """
     matrix, norm, inverse = _Pencil(disc)
     matrix = Symmetric(matrix)
@@ -79,7 +94,7 @@ def Coercivity(disc):
     return ExtremeEigenvalue(matrix, norm, inverse, "SA")
 
 
-def Boundedness(disc):
+def Boundedness(disc: Discretization) -> float:
     """Smallest C with |B_h(u, v)| <= C |||u||| |||v||| on V_h (Lemma 3.3); no unit.
 
     The largest singular value of B_h in the inner product of |||.|||, for symmetric and unsymmetric forms:
@@ -92,7 +107,7 @@ def Boundedness(disc):
     return float(np.sqrt(ExtremeEigenvalue(lambda v: transposed @ inverse(matrix @ np.ravel(v)), norm, inverse, "LA")))
 
 
-def DualNorm(disc, functional):
+def DualNorm(disc: Discretization, functional: Array) -> float:
     """sup F(v)/|||v||| over V_h of F given by its coefficients (ndof,), that is sqrt(F' N^-1 F) [sqrt(stress length^d)].
 
     F [stress length^d per length of v].  Raises ProblemError for a body that only its foundation holds.
@@ -124,7 +139,7 @@ class LiftingBounds:
         return float(self.upper.max())
 
 
-def LiftingConstants(disc, *, order=None):
+def LiftingConstants(disc: Discretization, *, order: int | None = None) -> LiftingBounds:
     """c and C in  c |h_e^-1/2 [v]|_{0,e} <= |r_e([v])|_0 <= C |h_e^-1/2 [v]|_{0,e}  for v in V_h and e in E0 (Lemma 3.2).
 
     disc : Discretization of a discontinuous method;  order : l >= 0, the degree of Q_h, by default k
@@ -149,7 +164,7 @@ def LiftingConstants(disc, *, order=None):
     return LiftingBounds(np.concatenate(lower), np.concatenate(upper))
 
 
-def CriticalPenalty(problem, method, mesh, *, order=1, **options):
+def CriticalPenalty(problem: ContactProblem, method: Any, mesh: Mesh, *, order: int = 1, **options: Any) -> float:
     """The penalty number above which B_h is coercive on this mesh; zero or negative if it is for any penalty.
 
     problem, mesh, order : as for Discretization;  method : a class such as BassiEtAl, with `options` for it, or an object,
@@ -197,4 +212,4 @@ def _SafePenalty(disc, matrix, slope):
         energy = norm + (penalty - 1) * slope
         if ExtremeEigenvalue(matrix + (penalty - 1) * slope, energy, Inverse(energy), "SA") > ENOUGH:
             return penalty
-    raise ProblemError(f"{disc.method!r} is not coercive for any penalty up to 4^19")
+    raise ProblemError(f"{disc.method!r} is not coercive for any penalty up to 4^19; take the other form or a larger liftorder")

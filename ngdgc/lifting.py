@@ -3,8 +3,11 @@
     int_Omega r_0(phi):q = - int_E0 phi:{q},     int_Omega r_e(phi):q = - int_e phi:{q},     r_0 = sum_e r_e
 """
 
+from __future__ import annotations
+
 from functools import cached_property
 from numbers import Integral
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
@@ -125,14 +128,22 @@ class Lifting:
     `space` is Q_h.  Jumps on Gamma_D are those of homogeneous data.
 
     Raises ProblemError for the conforming method, whose functions do not jump, and for l < 0.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> Lifting(disc).Matrix().shape[1] == disc.space.ndof
+    True
     """
 
-    def __init__(self, disc, *, order=None):
+    def __init__(self, disc: Any, *, order: int | None = None) -> None:
         if not disc.method.discontinuous:
             raise ProblemError(f"method {disc.method.name} has no jumps to lift; take a discontinuous one")
         order = disc.order if order is None else order
         if isinstance(order, bool) or not isinstance(order, Integral) or order < 0:
-            raise ProblemError(f"order is {order!r}; the degree of the lifting space is an integer >= 0")
+            raise ProblemError(f"order is {order!r}; the degree of the lifting space must be an integer >= 0")
         share, rollers = WeakFacets(disc.problem, disc.facets)
         blocks = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
         self.operators, self.space = SparseOperators(blocks), blocks.liftings
@@ -140,9 +151,9 @@ class Lifting:
     def _CheckFacet(self, facet):
         count = len(self.operators.share)
         if not isinstance(facet, Integral) or not 0 <= facet < count:
-            raise ProblemError(f"facet is {facet!r}; the mesh has the facets 0 ... {count - 1}")
+            raise ProblemError(f"facet is {facet!r}; give the number of one, the mesh has the facets 0 ... {count - 1}")
 
-    def Matrix(self, facet=None):
+    def Matrix(self, facet: int | None = None) -> Any:
         """r_0, or r_e of the facet with this number, as a sparse matrix from V_h to Q_h."""
         if facet is not None:
             self._CheckFacet(facet)
@@ -152,11 +163,11 @@ class Lifting:
             traces = traces @ sp.diags((operators.facetof == facet).astype(float))
         return -(operators.inverseMQ @ (traces @ (operators.inverseMF @ operators.J)))
 
-    def Global(self, gfu):
+    def Global(self, gfu: Any) -> Any:
         """r_0([u]), a GridFunction in Q_h [as grad u]."""
         return self._Function(gfu, None)
 
-    def Local(self, gfu, facet):
+    def Local(self, gfu: Any, facet: int) -> Any:
         """r_e([u]) of the facet with this number; it lives on the elements at the facet."""
         self._CheckFacet(facet)
         return self._Function(gfu, facet)

@@ -4,15 +4,20 @@ On B2 (`exact.SmoothSlip`) with mu = 2 the displacement and all its derivatives 
 without locking keeps its error.  The error is |eps_h(u - u_h)|/|eps(u)| in L2, without C, in which lam would weigh its part.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from ngsolve import Mesh
 
 from .discretization import Discretization
 from .errors import StrainError
 from .exact import SmoothSlip
 from .exceptions import ProblemError
 from .meshes import UnitMesh
+from .protocols import Method, Solver
 from .solvers import UzawaSolver
 from .variants import Label
 
@@ -36,7 +41,9 @@ class Sweep:
         return float(self.errors[-1] / self.errors[0])
 
 
-def Study(method, *, order=1, n=16, lam=LAMBDA, cells="triangle", mesh=UnitMesh, solver=SOLVER, callback=None):
+def Study(method: Method, *, order: int = 1, n: int = 16, lam: Sequence[float] = LAMBDA, cells: str = "triangle",
+          mesh: Callable[..., Mesh] = UnitMesh, solver: Solver = SOLVER,
+          callback: Callable[[str], object] | None = None) -> Sweep:
     """Solve B2 for every `lam` on one mesh of the unit square or cube, mesh(n, cells), and return the Sweep.
 
     lam : values > 0 [stress], while mu = 2 [stress]
@@ -49,7 +56,7 @@ def Study(method, *, order=1, n=16, lam=LAMBDA, cells="triangle", mesh=UnitMesh,
     True
     """
     if len(lam) < 2:
-        raise ProblemError(f"lam is {lam}; a comparison needs at least two values, for example 1 1e6")
+        raise ProblemError(f"lam is {lam}; a comparison needs at least two values, give for example 1 1e6")
     grid, errors = mesh(n, cells), []
     for value in lam:
         if callback:

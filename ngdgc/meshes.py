@@ -1,7 +1,10 @@
 """Structured meshes of a rectangle and a box, with a choice of cells and diagonal."""
 
+from __future__ import annotations
+
 from numbers import Integral
 
+from ngsolve import Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from .exceptions import ProblemError
@@ -10,7 +13,8 @@ CELLS = ("triangle", "triangle-flipped", "quad")
 BOXCELLS = ("tet", "hex", "prism")
 
 
-def RectangleMesh(n, *, lower=(0, 0), upper=(1, 1), cells="triangle"):
+def RectangleMesh(n: int, *, lower: tuple[float, float] = (0, 0), upper: tuple[float, float] = (1, 1),
+                  cells: str = "triangle") -> Mesh:
     """Uniform mesh of a rectangle, n x n squares; boundaries "bottom", "right", "top", "left".
 
     cells : "quad"; "triangle", diagonals from the lower left to the upper right corner of each square; "triangle-flipped", the
@@ -27,7 +31,8 @@ def RectangleMesh(n, *, lower=(0, 0), upper=(1, 1), cells="triangle"):
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))
 
 
-def BoxMesh(n, *, lower=(0, 0, 0), upper=(1, 1, 1), cells="tet"):
+def BoxMesh(n: int, *, lower: tuple[float, float, float] = (0, 0, 0), upper: tuple[float, float, float] = (1, 1, 1),
+            cells: str = "tet") -> Mesh:
     """Uniform mesh of a box, n x n x n blocks; boundaries "back", "front" (smallest, largest x), "left", "right" (y), "bottom",
     "top" (z).
 
@@ -43,7 +48,7 @@ def BoxMesh(n, *, lower=(0, 0, 0), upper=(1, 1, 1), cells="tet"):
                                 mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(lower, upper, point)))
 
 
-def UnitMesh(n, cells):
+def UnitMesh(n: int, cells: str) -> Mesh:
     """Uniform mesh of the unit square or cube, by its cells alone: one of CELLS or BOXCELLS.
 
     >>> UnitMesh(2, "quad").ne, UnitMesh(2, "hex").ne

@@ -1,11 +1,13 @@
 """The methods a problem can be discretised with: what space, and where the displacement is coupled weakly."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass, fields
 from numbers import Integral
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
-from ngsolve import H1, L2, VectorH1, VectorL2
+from ngsolve import H1, L2, Mesh, VectorH1, VectorL2
 
 from .coefficients import IsNumber
 from .exceptions import ProblemError
@@ -16,6 +18,9 @@ from .parallel import Batched
 from .penalty import MARGIN, LargestEigenvalues, Penalty
 from .skeleton import Clamped, Interior, Roller, SkeletonForm
 from .skeletonlifting import LiftedSkeletonForm
+
+if TYPE_CHECKING:
+    from .problem import ContactProblem
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -45,14 +50,20 @@ class DiscontinuousGalerkin:
     theta: ClassVar[int] = 1
     discontinuous: ClassVar[bool] = True
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, *, penalty: float | Literal["auto"] = "auto", weighting: Literal["mu", "C"] | None = None,
+                     form: Literal["edge", "lifting"] = "edge", liftorder: int | None = None,
+                     singular: bool = False) -> None: ...
+
+    def __post_init__(self) -> None:
         automatic = isinstance(self.penalty, str) and self.penalty == "auto"
         if not automatic and not (IsNumber(self.penalty) and 0 < self.penalty < np.inf):
             raise ProblemError(f"penalty is {self.penalty!r}; give 'auto' or a positive number")
         if self.weighting not in (None, "mu", "C"):
             raise ProblemError(f"weighting is {self.weighting!r}; choose 'mu' or 'C'")
         if self.weighting is not None and self.stabilisation == "lifting":
-            raise ProblemError(f"weighting={self.weighting!r} does not apply to {self.name}: r_e is weighted by C")
+            raise ProblemError(f"weighting={self.weighting!r} does not apply to {self.name}: r_e is weighted by C; "
+                               "leave it out")
         if self.form not in ("edge", "lifting"):
             raise ProblemError(f"form is {self.form!r}; choose 'edge' or 'lifting'")
         self._CheckLifting()
@@ -65,7 +76,8 @@ class DiscontinuousGalerkin:
             raise ProblemError(f"liftorder is {self.liftorder!r}; it must be an integer of at least 0")
         liftless = self.form == "edge" and self.stabilisation == "jump" and not self.globallift
         if self.liftorder is not None and liftless:
-            raise ProblemError(f"liftorder={self.liftorder} does not apply to the edge form of {self.name}: it lifts nothing")
+            raise ProblemError(f"liftorder={self.liftorder} does not apply to the edge form of {self.name}: it lifts nothing; "
+                               "leave it out or take form='lifting'")
         if self.liftorder == 0 and self.stabilisation == "lifting" and not self.singular:
             raise ProblemError(f"liftorder=0 makes {self.name} singular for every penalty: r_e with constants sees only the "
                                "mean of a jump, so jumps of mean zero cost nothing; take liftorder >= 1, by default the order "
@@ -78,18 +90,18 @@ class DiscontinuousGalerkin:
         return f"{type(self).__name__}({', '.join(given)})"
 
     @property
-    def symmetric(self):
+    def symmetric(self) -> bool:
         """True if B_h(u, v) = B_h(v, u)."""
         return self.theta == 1
 
-    def Space(self, mesh, order, clamped):
+    def Space(self, mesh: Mesh, order: int, clamped: str) -> Any:
         return VectorL2(mesh, order=order, dgjumps=True)
 
-    def ScalarSpace(self, mesh, order):
+    def ScalarSpace(self, mesh: Mesh, order: int) -> Any:
         return L2(mesh, order=order)
 
     @Batched
-    def Form(self, problem, facets, space, order, assembly):
+    def Form(self, problem: ContactProblem, facets: Any, space: Any, order: int, assembly: str) -> Any:
         """B_h with E0 = interior facets, Gamma_D and rollers."""
         share, rollers = WeakFacets(problem, facets)
         liftorder = order if self.liftorder is None else self.liftorder
@@ -212,14 +224,14 @@ class Conforming:
     discontinuous: ClassVar[bool] = False
     symmetric: ClassVar[bool] = True
 
-    def Space(self, mesh, order, clamped):
+    def Space(self, mesh: Mesh, order: int, clamped: str) -> Any:
         return VectorH1(mesh, order=order, dirichlet=clamped)
 
-    def ScalarSpace(self, mesh, order):
+    def ScalarSpace(self, mesh: Mesh, order: int) -> Any:
         return H1(mesh, order=order)
 
     @Batched
-    def Form(self, problem, facets, space, order, assembly):
+    def Form(self, problem: ContactProblem, facets: Any, space: Any, order: int, assembly: str) -> Any:
         """a(u, v), with the terms of E0 = rollers; `assembly` makes no difference."""
         _, rollers = WeakFacets(problem, facets)
         if not rollers.any():
@@ -250,5 +262,6 @@ def _Parts(problem, mesh, rule):
             *(Roller(material, mesh, rule, region, value) for region, value in problem.roller.items())]
 
 
-METHODS = {"ip": InteriorPenalty, "bassi": BassiEtAl, "brezzi": BrezziEtAl, "ldg": LDG, "nipg": NonsymmetricInteriorPenalty,
-           "iipg": IncompleteInteriorPenalty, "h1": Conforming}
+METHODS: dict[str, Any] = {
+    "ip": InteriorPenalty, "bassi": BassiEtAl, "brezzi": BrezziEtAl, "ldg": LDG, "nipg": NonsymmetricInteriorPenalty,
+    "iipg": IncompleteInteriorPenalty, "h1": Conforming}

@@ -4,6 +4,8 @@ import numpy as np
 import scipy.sparse as sp
 from ngsolve import L2, BilinearForm
 
+from .exceptions import ProblemError
+
 
 def Numbers(starts, patches, dim):
     """Dofs (n, m) on patches (n, p) of elements or facets of equal sizes, ordered component, element, function."""
@@ -37,7 +39,8 @@ class BlockMatrix:
         self._offsets = before[:-1] - np.repeat(before[graph.indptr[:-1]], np.diff(graph.indptr))
         self._width = before[graph.indptr[1:]] - before[graph.indptr[:-1]]
         if self._width @ sizes * self.dim ** 2 != self.native.nze:
-            raise RuntimeError("NGSolve's matrix has another pattern than the elements' neighbours")
+            raise ProblemError("NGSolve's matrix has another pattern than the elements' neighbours; take "
+                               "assembly='skeleton', which leaves it to NGSolve")
 
     def _Offsets(self, rows, columns):
         """Scalar columns before the block of element `columns` in the rows of element `rows`, arrays of one shape."""

@@ -1,15 +1,18 @@
 """The continuous problem (2.3)-(2.9): a body, its supports and loads, and the foundations it touches."""
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .coefficients import RegionName, Scalar, Vector
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import ProblemError
 from .formula import Described
 from .foundation import Foundation
+from .protocols import Datum, VectorDatum
 
 
 @dataclass(frozen=True)
@@ -40,13 +43,18 @@ class ContactProblem:
 
     material: Any
     foundation: Any
-    dirichlet: Mapping[str, Any] | None = None
-    roller: Mapping[str, Any] | None = None
-    traction: Mapping[str, Any] | None = None
+    dirichlet: Any = None
+    roller: Any = None
+    traction: Any = None
     bodyforce: Any = None
     __repr__ = Described
 
-    def __post_init__(self):
+    if TYPE_CHECKING:       # what is given; what is kept is converted
+        def __init__(self, material: HookeMaterial | AnisotropicMaterial, foundation: Foundation | Sequence[Foundation],
+                     dirichlet: Mapping[str, VectorDatum] | None = None, roller: Mapping[str, Datum] | None = None,
+                     traction: Mapping[str, VectorDatum] | None = None, bodyforce: VectorDatum | None = None) -> None: ...
+
+    def __post_init__(self) -> None:
         if not isinstance(self.material, (HookeMaterial, AnisotropicMaterial)):
             raise ProblemError(f"material is {self.material!r}; give a HookeMaterial or an AnisotropicMaterial")
         several = isinstance(self.foundation, Sequence) and not isinstance(self.foundation, str)
@@ -61,7 +69,7 @@ class ContactProblem:
             object.__setattr__(self, "bodyforce", Vector(self.bodyforce, "bodyforce"))
         if len({dim for _, dim in self._Dimensions()}) > 1:
             listing = ", ".join(f"{name}: {dim}" for name, dim in self._Dimensions())
-            raise ProblemError(f"the data have different dimensions ({listing})")
+            raise ProblemError(f"the data have different dimensions ({listing}); give all of them the dimension of the mesh")
 
     def _Dimensions(self):
         for name in ("dirichlet", "traction"):
@@ -73,7 +81,7 @@ class ContactProblem:
             yield "material", self.material.dim
 
     @property
-    def dim(self):
+    def dim(self) -> int | None:
         """Space dimension d of the data, or None if they do not tell."""
         return next((dim for _, dim in self._Dimensions()), None)
 

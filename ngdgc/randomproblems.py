@@ -127,7 +127,7 @@ def _Size(rng, dim, method, cells, dofs):
         if most >= smallest:
             return order, round(np.exp(np.log(smallest) + wish * np.log(most / smallest)))
         order -= 1
-    raise ProblemError(f"dofs is {dofs}; that is too few for a mesh with {smallest} cells per side")
+    raise ProblemError(f"dofs is {dofs}; that is too few for a mesh with {smallest} cells per side, give more")
 
 
 def _Friction(rng, kind, coefficient, pressure, stiffness, exponent, depth):

@@ -241,7 +241,8 @@ class ContactSolution:
         for name, values in solution._Fingerprint().items():
             stored = arrays[name]
             if stored.shape != values.shape or not np.allclose(stored, values, rtol=0, atol=1e-6 * (np.abs(stored).max() or 1)):
-                raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ")
+                raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ; "
+                                   "give the one it was saved with")
         return solution
 
     def _Fingerprint(self):

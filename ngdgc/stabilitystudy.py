@@ -1,10 +1,13 @@
 """What the lemmas say about all methods on one mesh, as a table for the terminal, and the documentation page on stability."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from ngsolve import CF
+from ngsolve import CF, Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from .cases import example_4_1
@@ -48,7 +51,8 @@ class Stability:
     title: str
 
 
-def Study(problem, mesh, *, order=1, form="edge", callback=None):
+def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "edge",
+          callback: Callable[[str], object] | None = None) -> Stability:
     """The `Stability` of all discontinuous methods for a problem on a mesh; `callback(line)` reports progress.
 
     About twenty seconds a method for 49 000 dofs.  Raises ProblemError as `Discretization` and `CriticalPenalty`.

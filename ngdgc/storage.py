@@ -33,7 +33,8 @@ def Read(folder):
             raise FileNotFoundError("mesh.vol.gz is missing")
         mesh = Mesh(str(folder / "mesh.vol.gz"))
     except (OSError, ValueError) as error:
-        raise ProblemError(f"{folder} holds no saved solution: {error}") from error
+        raise ProblemError(f"{folder} holds no saved solution: {error}; give a folder that "
+                           "ContactSolution.Save has written") from error
     if description.get("format") != FORMAT:
-        raise ProblemError(f"{folder} has format {description.get('format')}, this version reads {FORMAT}")
+        raise ProblemError(f"{folder} has format {description.get('format')}, this version reads {FORMAT}; save it anew")
     return mesh, arrays, description

@@ -102,7 +102,7 @@ def Write(folder, name, text, figures):
         for stem, figure in figures.items():
             figure.savefig(folder / f"{stem}.png", dpi=150)
     except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
     print(f"\nwritten to {folder}/: {', '.join([f'{name}.txt', *(f'{stem}.png' for stem in figures)])}")
 
 
@@ -115,7 +115,7 @@ def WritePage(file, text, figures):
         for stem, figure in figures.items():
             figure.savefig(images / f"{stem}.png", dpi=110)
     except OSError as error:
-        raise ProblemError(f"cannot write {file}: {error.strerror}") from error
+        raise ProblemError(f"cannot write {file}: {error.strerror}; choose another --page") from error
     print(f"written to {file}")
 
 
@@ -194,7 +194,7 @@ def Atlas(options):
             rows.append(row)
             table.Add(row)
     except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
     finally:
         if rows:
             Write(folder, "atlas", Text(rows, sweeps), Figures(rows, sweeps))
@@ -202,7 +202,7 @@ def Atlas(options):
         try:
             WritePage(options.page, rows, sweeps)
         except OSError as error:
-            raise ProblemError(f"cannot write {options.page}: {error.strerror}") from error
+            raise ProblemError(f"cannot write {options.page}: {error.strerror}; choose another --page") from error
         print(f"written to {options.page}")
     return 0
 
@@ -219,7 +219,7 @@ def Table3(options):
         try:
             Path(page).write_text(Page(study), encoding="utf-8")
         except OSError as error:
-            raise ProblemError(f"cannot write {page}: {error.strerror}") from error
+            raise ProblemError(f"cannot write {page}: {error.strerror}; choose another --page") from error
         print(f"\nwritten to {page}")
     return 0
 
@@ -253,7 +253,7 @@ def _Solve(name, title, samples, count, out, **options):
         with open(folder / f"{name}.jsonl", "w", encoding="utf-8") as file:
             records = Sweep(samples, file, callback=lambda record: Show(Line(record)), **options)
     except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}") from error
+        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
     Write(folder, name, f"{title}\n{Tally(records)}", {name: SweepFigure(records)})
     if len(records) < count:
         return 130

@@ -1,16 +1,23 @@
 """How often a solver fails: random problems solved one after the other, every result written as it comes."""
 
+from __future__ import annotations
+
 import json
 from collections import Counter
 from dataclasses import asdict, dataclass
 from time import perf_counter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .exceptions import NotConvergedError, ProblemError
 from .foundation import CoulombFriction, PowerFriction, SlipWeakeningFriction, TrescaFriction
+from .protocols import Array
 from .randomproblems import Draw
 from .solvers import NestedNewtonSolver
+
+if TYPE_CHECKING:
+    from .solution import ContactSolution
 
 SHARP = 1e-8        # of the law violation
 ALLOWED = 0.02      # part of the problems that may fail
@@ -74,7 +81,7 @@ def _Steps(solver, disc):
         return 0
 
 
-def Violation(solution):
+def Violation(solution: ContactSolution) -> Array:
     """min(|p - p_n(r)|/t_s, |r - p_n^-1(p)|/u_s) and the same for friction, the larger one at every point, (n,), no unit.
 
     For power laws p_n and the friction laws of the package; p_n^-1(0) is all of r <= 0, friction |t| <= p_t belongs to u_t = 0,
@@ -97,7 +104,7 @@ def Violation(solution):
         horizontal = np.where(p[here] < 0, np.inf, np.abs(r[here] - inverse) / uscale)
         normal[here] = np.minimum(vertical, horizontal)
         nearest = np.where(vertical < horizontal, (r[here], above), (inverse, p[here]))
-        bound[here] = _Bound(rule, *nearest, slid[here])
+        bound[here] = _Bound(rule, nearest[0], nearest[1], slid[here])
     fscale = max(bound.max(), 1e-3 * tscale)
     size = np.linalg.norm(friction, axis=1)
     stick = np.maximum(slid / uscale, (size - bound) / fscale)
@@ -122,7 +129,7 @@ def _Bound(law, r, p, slid):
         return law.stiffness * np.maximum(r, 0) ** law.exponent
     if isinstance(law, SlipWeakeningFriction):
         return (law.dynamic + (law.static - law.dynamic) * np.exp(-slid / law.distance)) * p
-    raise ProblemError(f"friction is {law!r}; its bound is known for the laws of the package alone")
+    raise ProblemError(f"friction is {law!r}; its bound is known for the laws of the package alone, take one of them")
 
 
 def Sweep(samples, file, *, callback=None, **options):

@@ -133,7 +133,7 @@ def Study(n=128, *, methods=None, callback=None):
     methods : {label: method}, by default Methods(), all nine
     """
     if n % max(SIZES) or n <= max(SIZES):
-        raise ProblemError(f"n is {n}; the reference mesh must refine the meshes 1/4 ... 1/32: a larger multiple of 32")
+        raise ProblemError(f"n is {n}; the reference mesh must refine the meshes 1/4 ... 1/32: give a larger multiple of 32")
     readings = []
     for example, (name, method) in product(EXAMPLES, (methods or Methods()).items()):
         for plane, cells in product(("stress", "strain"), DIAGONALS) if name in EVERY else (CLOSEST[example],):

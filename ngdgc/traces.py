@@ -8,6 +8,10 @@ shear tau, the friction on the foundation.  Then sigma n is the one the law asks
 and u is an exact solution with Dirichlet values on the other sides, if the traces obey the law (2.7)-(2.9).
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from ngsolve import CF, IfPos, x, y, z
 
@@ -20,12 +24,14 @@ from .graph import SEPARATION, SLIP, STICK
 from .hypotheses import SlipFactor
 from .meshes import RectangleMesh
 from .problem import ContactProblem
+from .protocols import Datum
 
 SAMPLES = 2001      # points of (0,1) at which traces are held against the law
 ROUNDOFF = 1e-9     # of values that a user's formula and a user's law compute in two ways
 
 
-def FromTraces(foundation, *, un, ut=0.0, pressure, shear=0.0, material=None, dim=2):
+def FromTraces(foundation: Foundation, *, un: Datum, ut: Datum = 0.0, pressure: Datum, shear: Datum = 0.0,
+               material: HookeMaterial | None = None, dim: int = 2) -> Exact:
     """The `Exact` problem on (0,1)^dim with these traces on Gamma_C, in 3D constant along y.
 
     foundation : Foundation("bottom", ...), with any laws and a gap that are functions of x
@@ -51,7 +57,7 @@ def FromTraces(foundation, *, un, ut=0.0, pressure, shear=0.0, material=None, di
     if not isinstance(foundation, Foundation) or foundation.boundary != "bottom":
         raise ProblemError(f"foundation is {foundation!r}; give a Foundation of the region 'bottom'")
     if not isinstance(material, HookeMaterial):
-        raise ProblemError(f"material is {material!r}; the recipe needs the mu and lam of a HookeMaterial")
+        raise ProblemError(f"material is {material!r}; give a HookeMaterial, whose mu and lam the recipe needs")
     traces = _Traces(un=un, ut=ut, pressure=pressure, shear=shear)
     traces.CheckSmooth()
     traces.CheckLaw(foundation)
@@ -60,8 +66,9 @@ def FromTraces(foundation, *, un, ut=0.0, pressure, shear=0.0, material=None, di
     return Exact(problem, u, lambda points: traces.Zones(foundation, points[:, 0]))
 
 
-def ThreeZones(*, stiffness=250.0, coefficient=0.4, ends=(0.25, 0.75), un=0.02, ut=0.02, reserve=10.0, gap=0.0, material=None,
-               dim=2):
+def ThreeZones(*, stiffness: float = 250.0, coefficient: float = 0.4, ends: tuple[float, float] = (0.25, 0.75),
+               un: float = 0.02, ut: float = 0.02, reserve: float = 10.0, gap: Datum = 0.0,
+               material: HookeMaterial | None = None, dim: int = 2) -> Exact:
     """B3: stick for x < a, slip for a < x < b, open for x > b, with a, b = `ends` and u a piecewise polynomial of degree 4.
 
         w = g + un (b - x)^3,    p = k (w - g)_+,    s = ut (x - a)_+^3,    tau = mu_c p - reserve (a - x)_+^2
@@ -70,6 +77,9 @@ def ThreeZones(*, stiffness=250.0, coefficient=0.4, ends=(0.25, 0.75), un=0.02, 
     On a mesh with vertices at a and b every consistent method of order 4 returns u to round-off; on others the ends are exact.
 
     Raises ProblemError unless 0 < a < b < 1 and 0 < reserve (a - x)^2 < 2 mu_c p in the stick zone.
+
+    >>> ThreeZones().zones(np.array([[0.1, 0], [0.5, 0], [0.9, 0]]))     # stick, slip, separation
+    array([1, 2, 0])
     """
     a, b = ends
     if not 0 < a < b < 1:
@@ -80,7 +90,8 @@ def ThreeZones(*, stiffness=250.0, coefficient=0.4, ends=(0.25, 0.75), un=0.02, 
                       shear=coefficient * pressure - reserve * Positive(a - x, 2), material=material, dim=dim)
 
 
-def RigidLimit(*, stiffness, load=5.0, opening=0.02, coefficient=0.4, ends=(0.25, 0.75), ut=0.02, reserve=10.0):
+def RigidLimit(*, stiffness: float, load: float = 5.0, opening: float = 0.02, coefficient: float = 0.4,
+               ends: tuple[float, float] = (0.25, 0.75), ut: float = 0.02, reserve: float = 10.0) -> Exact:
     """B8: the unilateral problem with Coulomb friction, approached by p_n = k r, k = `stiffness`, as k grows.
 
     The displacement and zones are those of k = infinity: stick for x < a, slip for a < x < b, lifted off for x > b, with
@@ -91,6 +102,9 @@ def RigidLimit(*, stiffness, load=5.0, opening=0.02, coefficient=0.4, ends=(0.25
     with it differs from it by O(1/k).
 
     Raises ProblemError as `ThreeZones` does, and for a stiffness that is not positive.
+
+    >>> RigidLimit(stiffness=1e6).zones(np.array([[0.1, 0], [0.5, 0], [0.9, 0]]))     # stick, slip, separation
+    array([1, 2, 0])
     """
     if not stiffness > 0:
         raise ProblemError(f"stiffness is {stiffness!r}; it must be positive")
@@ -103,7 +117,7 @@ def RigidLimit(*, stiffness, load=5.0, opening=0.02, coefficient=0.4, ends=(0.25
     return Exact(problem, u, soft.zones)
 
 
-def Positive(distance, power):
+def Positive(distance: Any, power: int) -> Any:
     """(distance)_+^power, an integer power of the positive part that NGSolve differentiates piece by piece."""
     return IfPos(distance, distance ** power, 0)
 
@@ -142,7 +156,7 @@ class _Traces:
                 if jump[worst] > 5 * interval * np.abs(df).max() + ROUNDOFF * np.abs(f).max():
                     word = ("", "the first derivative of ", "the second derivative of ")[order]
                     raise ProblemError(f"{word}{name} jumps near x = {at[worst]:.4g}; then sigma is discontinuous and the "
-                                       "body force no function")
+                                       "body force no function; give a smoother one, such as Positive(x - a, 3)")
                 trace = slope
 
     def At(self, foundation, at):
@@ -169,7 +183,7 @@ class _Traces:
             if np.any(wrong):
                 i = wrong.argmax()
                 found = words.format(p=p[i], s=s[i], tau=tau[i], expected=expected[i], bound=bound[i])
-                raise ProblemError(f"the traces violate the law at x = {at[i]:.4g}: {found}")
+                raise ProblemError(f"the traces violate the law at x = {at[i]:.4g}: {found}; mend the traces or the law")
 
     def Zones(self, foundation, at):
         _, p, s, tau, _, bound = self.At(foundation, at)

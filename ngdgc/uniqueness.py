@@ -13,13 +13,19 @@ A solution exists under (2.13) for an elliptic A: the tractions do work >= 0, up
 depend on u continuously, with convex values where u_t = 0.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .exceptions import ProblemError
 from .hypotheses import CheckLaws
 from .solvers.contraction import LargestEigenvalue
+
+if TYPE_CHECKING:
+    from .discretization import Discretization
 
 MAXITER, TOL = 60, 1e-4     # of Lanczos' iteration for the norm
 
@@ -32,12 +38,12 @@ class UniquenessReport:
     number: float
 
     @property
-    def exists(self):
+    def exists(self) -> bool:
         """True if the theory gives a solution: (2.13) holds."""
         return all(report.valid for report in self.laws)
 
     @property
-    def unique(self):
+    def unique(self) -> bool:
         """True if the theory gives at most one solution within the range; False says nothing."""
         return self.number < 1
 
@@ -49,7 +55,7 @@ class UniquenessReport:
         return "\n".join(lines)
 
 
-def CheckUniqueness(disc, *, depth=None, slip=None):
+def CheckUniqueness(disc: Discretization, *, depth: float | None = None, slip: float | None = None) -> UniquenessReport:
     """The `UniquenessReport` of a Discretization, for penetrations up to `depth` and slips up to `slip` [length].
 
     Without a range it is that of the response to the loads without foundation, at least the length 1e-3 of the body.  The norm
@@ -67,10 +73,11 @@ def CheckUniqueness(disc, *, depth=None, slip=None):
     (True, True, 0.096)
     """
     if not disc.symmetric:
-        raise ProblemError("the method is not symmetric; the theory of uniqueness needs a symmetric compliance operator")
+        raise ProblemError("the method is not symmetric; the theory of uniqueness needs a symmetric compliance operator, "
+                           "take a symmetric one")
     if disc.unresisted:
         raise ProblemError(f"the body is held by its foundation alone: only contact resists {disc.unresisted}, and the theory "
-                           "here needs a body that its supports hold")
+                           "here needs a body that its supports hold; add dirichlet or roller")
     contact = disc.contact
     if depth is None or slip is None:
         free = contact.Displacement(disc.FreeSolution())

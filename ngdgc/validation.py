@@ -20,7 +20,8 @@ def CheckMesh(problem, mesh):
         raise ProblemError(f"the mesh has dimension {mesh.dim} and {mesh.ne} volume elements; "
                            "a contact problem needs a mesh of an area in 2D or a volume in 3D")
     if problem.dim not in (None, mesh.dim):
-        raise ProblemError(f"the mesh has dimension {mesh.dim}, the data of the problem have {problem.dim} components")
+        raise ProblemError(f"the mesh has dimension {mesh.dim}, the data of the problem have {problem.dim} "
+                           "components; give both the same dimension")
 
 
 def CheckProblem(problem, mesh, facets):
@@ -38,13 +39,14 @@ def CheckRegions(problem, mesh, facets):
             available = ", ".join(sorted(set(mesh.GetBoundaries())))
             empty = "; Gamma_C would be empty" if kind == "foundation" else ""
             raise ProblemError(f"{kind} region {region!r} matches no boundary of the mesh{empty}; "
-                               f"it has: {available}")
+                               f"choose among {available}")
         for number in numbers:
             first, firstkind, firstregion = owner.setdefault(number, (entry, kind, region))
             # A roller prescribes the normal component only, so a tangential traction may act there.
             if first != entry and {firstkind, kind} != {"roller", "traction"}:
                 raise ProblemError(f"boundary {mesh.GetBoundaries()[number]!r} is claimed twice, by {firstkind} "
-                                   f"{firstregion!r} and by {kind} {region!r}; the parts of the boundary must not overlap")
+                                   f"{firstregion!r} and by {kind} {region!r}; the parts of the boundary must not overlap: "
+                                   "give it to one of them")
         if np.any(facets.neighbours[facets.On(region)] > 1):
             raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
                                "conditions are for the outer boundary only: rename the interface or the region")

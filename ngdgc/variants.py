@@ -1,5 +1,9 @@
 """The nine discretisations to compare: the paper's four discontinuous methods in two forms each, and H1."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from .exceptions import ProblemError
 from .methods import METHODS
 
@@ -7,7 +11,7 @@ FORMS = ("edge", "lifting")
 PAPER = ("ip", "bassi", "brezzi", "ldg", "h1")
 
 
-def Label(method):
+def Label(method: Any) -> str:
     """Name and form, as tables and legends print them.
 
     >>> from ngdgc import LDG
@@ -17,7 +21,7 @@ def Label(method):
     return f"{method.name} {method.form}" if method.discontinuous else method.name
 
 
-def Variants(method="all", *, form=None, penalty="auto"):
+def Variants(method: str = "all", *, form: str | None = None, penalty: Any = "auto") -> dict[str, Any]:
     """Methods by their names on the command line, {label: method}.
 
     method : one of METHODS ("ip", "bassi", "brezzi", "ldg", "nipg", "iipg", "h1") or "all", those of the paper and "h1"
@@ -35,7 +39,7 @@ def Variants(method="all", *, form=None, penalty="auto"):
         raise ProblemError(f"form is {form!r}; choose edge or lifting, or give none for both")
     for name, value, default in (("form", form, None), ("penalty", penalty, "auto")):
         if method == "h1" and value != default and not isinstance(value, dict):
-            raise ProblemError(f"{name} does not apply to method 'h1'")
+            raise ProblemError(f"{name} does not apply to method 'h1'; leave it out")
     penalties = penalty if isinstance(penalty, dict) else dict.fromkeys(METHODS, penalty)
     chosen = []
     for name in PAPER if method == "all" else (method,):

@@ -52,7 +52,7 @@ def test_bad_data_on_a_mesh(changes, culprit, method):
 
 
 @pytest.mark.parametrize("changes, culprit", [
-    ({"dirichlet": {"right": 0}}, r"dirichlet\['right'\] is 0; a vector"), ({"dirichlet": {"right": CF(0)}}, "1 component"),
+    ({"dirichlet": {"right": 0}}, r"dirichlet\['right'\] is 0; give a"), ({"dirichlet": {"right": CF(0)}}, "1 component"),
     ({"dirichlet": "right"}, "dirichlet is 'right'; give a dictionary"), ({"roller": {"top": CF((0, 0))}}, "2 components"),
     ({"traction": {"left": CF((0, 0, 0))}}, "different dimensions"), ({"bodyforce": 3}, "bodyforce is 3"),
     ({"foundation": None}, "at least one"), ({"foundation": "bottom"}, "give a Foundation"),

@@ -1,8 +1,16 @@
 """Does an iteration contract, and how fast?  The numbers that decide, estimated by a few applications of the inverse."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
+
+from ..protocols import Array
+
+if TYPE_CHECKING:
+    from ..discretization import Discretization
 
 
 @dataclass(frozen=True)
@@ -21,11 +29,20 @@ class Contraction:
     friction: float
 
 
-def EstimateContraction(disc, penetration, *, step=0.0, maxiter=12, tol=1e-3):
+def EstimateContraction(disc: Discretization, penetration: Array, *, step: float | Array = 0.0, maxiter: int = 12,
+                        tol: float = 1e-3) -> Contraction:
     """Contraction numbers of a Discretization at penetrations (n,) of its contact points.
 
     `step` is that of the friction traction [stress/length], a number or (n,).  Costs at most 2 maxiter applications of A^-1;
     Lanczos stops when its largest eigenvalue moves by less than `tol` twice.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> EstimateContraction(disc, Solve(disc).penetration).normal < 1
+    True
     """
     contact = disc.contact
     stiffness = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]

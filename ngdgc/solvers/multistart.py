@@ -1,16 +1,26 @@
 """Newton's method from several starts: is there more than one solution?"""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ..exceptions import NotConvergedError
 from ..graph import Scales
+from ..protocols import Array
 from .newton import SemismoothNewtonSolver
 from .stiffness import BodyStiffness
+
+if TYPE_CHECKING:
+    from ..discretization import Discretization
+    from ..solution import ContactSolution
 
 DISTINCT = 1e-6     # relative distance of displacements on Gamma_C that tells solutions apart
 
 
-def MultiStart(disc, *, count=8, seed=0, tol=1e-10):
+def MultiStart(disc: Discretization, *, count: int = 8, seed: int = 0, tol: float = 1e-10) -> list[ContactSolution]:
     """Different solutions of a discrete problem, a list of ContactSolution, found by Newton's method from `count` starts.
 
     The first start is rest; the others are tractions up to the size of those that the body would need to stay in contact
@@ -27,7 +37,8 @@ def MultiStart(disc, *, count=8, seed=0, tol=1e-10):
     >>> len(MultiStart(Discretization(problem, LDG(), RectangleMesh(4), order=1), count=3))
     1
     """
-    solver, found = SemismoothNewtonSolver(tol=tol), []
+    solver = SemismoothNewtonSolver(tol=tol)
+    found: list[ContactSolution] = []
     for start in [None, *Starts(disc, count - 1, seed)]:
         try:
             solution = solver.Solve(disc, start=start)
@@ -39,7 +50,7 @@ def MultiStart(disc, *, count=8, seed=0, tol=1e-10):
     return found
 
 
-def Starts(disc, count=5, seed=0):
+def Starts(disc: Discretization, count: int = 5, seed: int = 0) -> Iterator[tuple[Array, Array]]:
     """`count` random pairs (displacement, traction), (n, d) each."""
     contact, rng = disc.contact, np.random.default_rng(seed)
     size = np.ptp(contact.coordinates, axis=0).max()

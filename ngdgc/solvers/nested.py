@@ -1,9 +1,12 @@
 """Nested iteration with Newton's method: the solver that needs no choices."""
 
+from __future__ import annotations
+
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import chain
+from typing import Any, TYPE_CHECKING
 
 import numpy as np
 from ngsolve import Mesh
@@ -14,6 +17,9 @@ from ..exceptions import NotConvergedError, ProblemError
 from ..solution import Level
 from .multistart import Starts
 from .newton import SemismoothNewtonSolver
+
+if TYPE_CHECKING:
+    from ..solution import ContactSolution, Step
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
 COARSEST = 20                   # contact points that need no prediction
@@ -30,19 +36,22 @@ class NestedNewtonSolver:
     tol : of the law residual (`graph.Distance`), no unit
     coarser : meshes of the same body with the same region names, coarse ones first; None: made by `coarsening.CoarserMesh`
         until it has no way or at most 20 contact points are left; (): no coarser mesh
+
+    >>> NestedNewtonSolver(tol=1e-8)
+    NestedNewtonSolver(tol=1e-08, coarser=None)
     """
 
     tol: float = 1e-10
-    coarser: Sequence | None = None
+    coarser: Sequence[Mesh] | None = None
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         SemismoothNewtonSolver(tol=self.tol)
         if self.coarser is not None:
             if not isinstance(self.coarser, Sequence) or not all(isinstance(mesh, Mesh) for mesh in self.coarser):
                 raise ProblemError(f"coarser is {self.coarser!r}; give a sequence of ngsolve.Mesh, coarse ones first, or None")
             object.__setattr__(self, "coarser", tuple(self.coarser))
 
-    def Solve(self, disc, *, callback=None):
+    def Solve(self, disc: Discretization, *, callback: Callable[[Step], object] | None = None) -> ContactSolution:
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh.
 
         Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest, under
@@ -53,6 +62,8 @@ class NestedNewtonSolver:
         if not isinstance(disc, Discretization):
             raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
         levels, start, meshes = [], None, [*self._Coarse(disc), disc]
+        coarse: Any
+        solution: Any
         while len(meshes) > 1:
             coarse, begin = meshes.pop(0), time.perf_counter()
             try:
@@ -135,7 +146,7 @@ def Transfer(coarse, contact):
 
 def LocalFit(points, values, targets, normals):
     """Values (m, c) at targets (m, d) on a surface with these normals, from values (n, c) at points (n, d)."""
-    from scipy.spatial import cKDTree       # slow to import
+    from scipy.spatial import cKDTree  # slow to import
 
     dim = points.shape[1]
     count = min(NEIGHBOURS[dim], len(points))

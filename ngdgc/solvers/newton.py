@@ -1,15 +1,23 @@
 """A semismooth Newton method on the graph of the contact law."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from numbers import Integral
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..coefficients import IsNumber
 from ..discretization import Discretization
 from ..exceptions import ProblemError
+from ..protocols import Array
 from .driver import Drive
 from .newtonrun import NewtonRun
+
+if TYPE_CHECKING:
+    from ..solution import ContactSolution, Step
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -41,13 +49,14 @@ class SemismoothNewtonSolver:
     tol: float = 1e-10
     maxiter: int = 100
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if not IsNumber(self.tol) or not 0 < self.tol < 1:
             raise ProblemError(f"tol is {self.tol!r}; give a number between 0 and 1")
         if isinstance(self.maxiter, bool) or not isinstance(self.maxiter, Integral) or self.maxiter < 1:
             raise ProblemError(f"maxiter is {self.maxiter!r}; give a positive integer")
 
-    def Solve(self, disc, *, start=None, callback=None):
+    def Solve(self, disc: Discretization, *, start: tuple[Array, Array] | None = None,
+              callback: Callable[[Step], object] | None = None) -> ContactSolution:
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step`.
 
         start : (displacement, traction), both (n, d), at the contact points, such as those of a similar problem; None: rest

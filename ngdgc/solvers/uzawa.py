@@ -1,8 +1,11 @@
 """The Uzawa iteration of Xiao, Wang, Han 2018, section 4, (4.3)-(4.8), with an implicit normal step and accelerated."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from dataclasses import dataclass
 from numbers import Integral
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -13,6 +16,9 @@ from ..hypotheses import BoundDerivatives, SlipFactor
 from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
 from .driver import Drive, Iterate
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
+
+if TYPE_CHECKING:
+    from ..solution import ContactSolution, Step
 
 WINDOW = 30         # iterations over which accelerated and adaptive steps are judged
 REST = 0.5          # of all iterations so far: adaptive steps rest up to 0.3 of them and converge, failing ones go on resting
@@ -73,7 +79,12 @@ class UzawaSolver:
     normal: str = "explicit"
     acceleration: str | None = None
 
-    def __post_init__(self):
+    if TYPE_CHECKING:
+        def __init__(self, *, tol: float = 1e-10, maxiter: int = 10000, rho: float | Literal["auto", "adaptive"] = "auto",
+                     normal: Literal["explicit", "implicit"] = "explicit",
+                     acceleration: Literal["anderson"] | None = None) -> None: ...
+
+    def __post_init__(self) -> None:
         if self.normal not in ("explicit", "implicit"):
             raise ProblemError(f"normal is {self.normal!r}; choose 'explicit' or 'implicit'")
         if self.acceleration not in (None, "anderson"):
@@ -81,7 +92,7 @@ class UzawaSolver:
         if self.rho == "adaptive":
             if self.normal == "explicit" or self.acceleration:
                 raise ProblemError("rho is 'adaptive', which is for normal='implicit' without acceleration: Anderson's needs "
-                                   "steps that are all alike")
+                                   "steps that are all alike; take rho='auto', or change these")
         elif not (self.rho == "auto" or IsNumber(self.rho) and 0 < self.rho < np.inf):
             raise ProblemError(f"rho is {self.rho!r}; give 'auto', a positive number, or with normal='implicit' 'adaptive'")
         if not IsNumber(self.tol) or not 0 < self.tol < 1:
@@ -89,7 +100,7 @@ class UzawaSolver:
         if not isinstance(self.maxiter, Integral) or self.maxiter < 1:
             raise ProblemError(f"maxiter is {self.maxiter!r}; give a positive integer")
 
-    def Solve(self, disc, *, callback=None):
+    def Solve(self, disc: Discretization, *, callback: Callable[[Step], object] | None = None) -> ContactSolution:
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step`.
 
         Raises NotConvergedError, with history, estimated contraction numbers and remedy, when the iterates cycle or the limit

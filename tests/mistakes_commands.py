@@ -1,0 +1,96 @@
+"""Mistakes on the command line, as in `mistakes`; what the user reads is what the parser shows or the error's message."""
+
+from pathlib import Path
+from unittest.mock import patch
+
+from ngdgc import atlas, cli, table3
+from ngdgc.cases import example_4_1
+
+EXAMPLE = Path(example_4_1.__file__).read_text(encoding="utf-8")
+
+
+def Typed(words, *blocked):
+    """The mistake of typing this command in a folder; OUT is the folder, where names `blocked` are folders already."""
+    def Mistake(folder):
+        for name in blocked:
+            (folder / name).mkdir()
+        (folder / "file").write_text("")
+        options = cli._Parser().parse_args(words.replace("OUT", str(folder)).split())
+        options.command(options)
+    return Mistake
+
+
+def Changed(old, new, name="case.py"):
+    """The mistake of running an example in which a piece of text was replaced."""
+    assert old in EXAMPLE
+
+    def Mistake(folder):
+        (folder / name).write_text(EXAMPLE.replace(old, new), encoding="utf-8")
+        Typed(f"run OUT/{name} --n 2 --out OUT/results")(folder)
+    return Mistake
+
+
+def WithoutProblem(folder):
+    (folder / "case.py").write_text("def Main():\n    pass\n", encoding="utf-8")
+    Typed("stability OUT/case.py")(folder)
+
+
+def OfNothing(module, words, *blocked):
+    """The mistake in a command of a study that has done its work, which takes long, at once."""
+    def Mistake(folder):
+        with patch.object(module, "Study", side_effect=lambda *arguments, **options: []):
+            Typed(words, *blocked)(folder)
+    return Mistake
+
+
+def NoTable(folder):
+    """What a study of Table 3 has found cannot be written: its numbers are of no matter, its reference mesh costs minutes."""
+    with patch.object(table3, "Text", return_value=""), patch.object(table3, "Page", return_value=""):
+        OfNothing(table3, "table3 --page OUT/page", "page")(folder)
+
+
+def NoAtlas(folder):
+    """One row, whose table is gone from under it."""
+    def Study(sweeps, **options):
+        yield "a row that no file takes"
+
+    with patch.object(atlas, "Study", Study), patch("ngdgc.atlaspage.Table.Add", side_effect=OSError(28, "No space left")), \
+            patch("ngdgc.studies.Write"), patch("ngdgc.atlaspage.Text"), patch("ngdgc.atlaspage.Figures"):
+        Typed("atlas --quick --out OUT")(folder)
+
+
+RUN = "run example_4_1 --n 2 --out OUT"
+COMMANDS = [
+    (Typed("run exmaple_4_1"), "no case 'exmaple_4_1' | neither a file nor one of | give one of them or a file"),
+    (Changed("import", "import", "case.txt"), "case.txt is not a Python file | whose name ends in .py | give one"),
+    (Changed("import CF, y", "import CF, yy"), "case.py cannot be loaded | cannot import name 'yy' | mend the file"),
+    (Changed("def Main(", "def Mian("), "case.py has no function | Main(method=..., order=..., n=...) | write it"),
+    (Changed("callback=None", "silent=True"), "Main of | unexpected keyword argument 'callback' | needs the keywords method"),
+    (Changed("return solver.Solve(disc, callback=callback)", "pass"),
+     "returned NoneType | ContactSolution | let it return what the solver"),
+    (WithoutProblem, "case.py has no functions | Problem() and Mesh(n) | write them"),
+    (Typed("run example_4_1 --n many"), "--n: 'many' is not | a positive integer | give for example 4"),
+    (Typed("run example_4_1 --tol big"), "--tol: 'big' is not | a number | give for example 0.5"),
+    (Typed("run example_4_1 --out OUT/file"), "cannot write into | file: File exists | choose another folder"),
+    (Typed("run example_4_1 --n 2 --out OUT", "report.txt"), "cannot write into | Is a directory | choose another --out"),
+    (Typed(f"{RUN} --method ipp"), "no method 'ipp' | one of ip, bassi | choose"),
+    (Typed(f"{RUN} --method h1 --form lifting"), "--form | does not apply to method 'h1' | leave it out"),
+    (Typed(f"{RUN} --solver best"), "no solver 'best' | one of auto, newton, uzawa | choose"),
+    (Typed(f"{RUN} --rho 1"), "--rho | does not apply to solver 'auto' | leave it out"),
+    (Typed("run greco_plate --n 2 --plane strain --out OUT"), "--plane | does not apply to this case | leave it out"),
+    (Typed("convergence --method ipp"), "no method 'ipp' | all or one of ip, bassi | choose"),
+    (Typed("convergence --form both"), "form is 'both' | edge or lifting | choose"),
+    (Typed("convergence --method h1 --form edge"), "form | does not apply to method 'h1' | leave it out"),
+    (Typed("locking --method ip --form edge --order 1 --n 1 --lam 1 2 --out OUT", "locking.txt"),
+     "cannot write into | Is a directory | choose another --out"),
+    (Typed("accuracy --method ip --order 1 --cells triangle --budget 1e-9 --out OUT --page OUT/page", "page"),
+     "cannot write | page: Is a directory | choose another --page"),
+    (NoAtlas, "cannot write into | No space left | choose another --out"),
+    (OfNothing(atlas, "atlas --quick --out OUT --page OUT/page", "page"),
+     "cannot write | page: Is a directory | choose another --page"),
+    (Typed("table3 --n 40"), "n is 40 | the reference mesh must refine | give a larger multiple of 32"),
+    (NoTable, "cannot write | page: Is a directory | choose another --page"),
+    (Typed("sweep --count 1 --out OUT", "sweep.jsonl"), "cannot write into | Is a directory | choose another --out"),
+    (Typed("sweep --count 3 --dofs 10 --out OUT"), "dofs is 10 | too few for a mesh with | give more"),
+    (Typed("grid --geometry ball --out OUT"), "no geometry 'ball' | one of 4.1, 4.2 | choose"),
+    (Typed("bench --only nothing --out OUT"), "no bench has 'nothing' in its name | among | choose")]

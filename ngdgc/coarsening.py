@@ -13,7 +13,6 @@ from ngsolve import BND, Integrate, Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from .facets import Curved
-from .meshes import CURVATURE, GRADING
 
 COARSER = 0.6       # a mesh with more than this part of the elements is no help
 FLAT = 1e-9         # relative deviation of vertices from a line or plane that is round-off
@@ -27,7 +26,7 @@ def CoarserMesh(mesh, factor=2.0):
     """
     geometry = _Geometry(mesh)
     if geometry is not None:
-        coarse = Mesh(geometry.GenerateMesh(maxh=factor * MeshSize(mesh), curvaturesafety=CURVATURE, grading=GRADING))
+        coarse = Mesh(geometry.GenerateMesh(maxh=factor * MeshSize(mesh)))
     else:
         coarse = _Box(mesh, factor) or (_Polygon(mesh, factor) if mesh.dim == 2 else None)
     if coarse is None or coarse.ne > COARSER * mesh.ne:

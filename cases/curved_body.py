@@ -4,7 +4,8 @@ Question: What does it cost to draw a circle with straight edges, and what does 
 Domain: the ring 2 < r < 2.5 [m], a quarter of it between two planes of symmetry; a gap of 0.1 mm all around.
 Problem: concrete in plane strain, E = 30000, nu = 0.2 [MN/m^2]; water pressure 1 inside; p_n = 2000 r [MN/m^3] outside.
 What to look at: with `curve` = `order` the pressure on the rock has as many digits as the method can give; with `curve` = 1 the
-    error is that of the polygon, whatever the order.
+    error is that of the polygon, whatever the order.  A `curve` above the order is no gain: then rotations are no functions of
+    the space any more, and moments no longer balance to round-off.
 Source: G. Lame's thick ring, u_r = A r + B/r, with -sigma_r = k (u_r - g) outside: two linear equations for A and B.
 """
 

@@ -54,7 +54,7 @@ def Softness(stiffness=1e7):
 
 
 def Main(*, method=InteriorPenalty(), order=2, n=16, solver=NestedNewtonSolver(), callback=None):
-    disc = Discretization(Problem(), method, Mesh(n, max(order, 2)), order=order)
+    disc = Discretization(Problem(), method, Mesh(n, order), order=order)
     return solver.Solve(disc, callback=callback)
 
 

@@ -57,7 +57,7 @@ def Softness(stiffness=1e6):
 
 
 def Main(*, method=InteriorPenalty(), order=2, n=8, solver=NestedNewtonSolver(), callback=None):
-    disc = Discretization(Problem(), method, Mesh(n, max(order, 2)), order=order)
+    disc = Discretization(Problem(), method, Mesh(n, order), order=order)
     return solver.Solve(disc, callback=callback)
 
 

@@ -51,7 +51,7 @@ def Mesh(n=10, order=2):
 
 
 def Main(*, method=InteriorPenalty(), order=2, n=10, stiffness=30, solver=NestedNewtonSolver(), callback=None):
-    disc = Discretization(Problem(stiffness), method, Mesh(n, max(order, 2)), order=order)
+    disc = Discretization(Problem(stiffness), method, Mesh(n, order), order=order)
     return solver.Solve(disc, callback=callback)
 
 

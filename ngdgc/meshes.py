@@ -61,7 +61,7 @@ def UnitMesh(n, cells):
 def ShapeMesh(shape, maxh, *, order=1):
     """Mesh of a face (2D) or a solid (3D) of Netgen's OpenCascade geometry, with polynomial boundaries of the given order.
 
-    maxh : largest size of an element [length]; edges and faces of the shape may ask for less (`edge.maxh`), which the mesh obeys
+    maxh : largest size of an element [length]; edges and faces of the shape may ask for less by their own `maxh`
     order : of the approximation of curved boundaries; 1 leaves elements with straight edges
 
     Boundaries and materials have the names that edges, faces and solids have in the shape.

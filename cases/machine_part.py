@@ -6,7 +6,7 @@ Domain: a foot of 80 x 50 x 10 [mm] with two bolt holes and, for the washers, ra
 Problem: steel, E = 210000, nu = 0.3 [N/mm^2]; each bolt presses its ring with 10 kN, the pull in the hole of the lug is
     (1.5, 0, 14) kN; gasket p_n = 20 r, friction coefficient 0.3.
 What to look at: nothing but the gasket holds the part: of 20 kN there are 6 left to press it, and these act 9.5 mm off the
-    middle.  A rigid foot would lift off nowhere, as its core reaches to 80/6 = 13.3 mm; the elastic one bends between its bolts.
+    middle.  A rigid foot would lift off nowhere, as its core reaches to 80/6 = 13.3 mm; the elastic one bends too.
 Source: balance of forces and moments; a part of this project.
 """
 

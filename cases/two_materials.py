@@ -54,7 +54,7 @@ def Main(*, method=InteriorPenalty(), order=2, n=16, solver=NestedNewtonSolver()
 
 
 def Rigid():
-    """Penetrations d + t x - g(x) of a rigid block at points x that divide the base, (x, penetration) [mm], where all presses."""
+    """(x, d + t x - g(x)) [mm], places and penetrations of a rigid block all of whose base presses."""
     x = (np.arange(1000) + 0.5) / 1000 * LENGTH
     modes = np.array([np.ones_like(x), x])
     springs = Stiffness(x) * LENGTH / 1000

@@ -7,12 +7,11 @@ import pytest
 from conftest import ExitCode
 from ngsolve import Integrate
 
-from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactSolution, CoulombFriction, Discretization, InteriorPenalty,
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactSolution, Discretization, InteriorPenalty,
                    NestedNewtonSolver)
-from ngdgc.cases import (curved_body, greco_plate, hertz_line, hertz_sphere, load_steps, machine_part, pressed_block, rubber_pad,
-                         rubber_pad_3d, slip_weakening, step_part, two_materials, wavy_foundation)
+from ngdgc.cases import (curved_body, greco_plate, hertz_line, hertz_sphere, load_steps, machine_part, pressed_block,
+                         rubber_pad, rubber_pad_3d, slip_weakening, step_part, two_materials, wavy_foundation)
 from ngdgc.cli import CaseFiles, LoadCase
-from ngdgc.meshes import ShapeMesh
 
 SOLID = {"hertz_sphere", "machine_part", "rubber_pad_3d", "step_part"}
 TWO = [InteriorPenalty(), Conforming()]
@@ -90,7 +89,8 @@ def test_waves_touch_as_westergaard_says(two):
 
 def test_tunnel_needs_a_curved_boundary(two):
     """Lame's pressure: digits with curve = order; the error of a polygon for curve = 1; other pressures for another gap."""
-    curved, straight = (np.abs(Errors(curved_body, curved_body.Main(method=two, order=3, n=8, curve=curve))) for curve in (3, 1))
+    curved, straight = (np.abs(Errors(curved_body, curved_body.Main(method=two, order=3, n=8, curve=curve)))
+                        for curve in (3, 1))
     assert curved.max() < 2e-4 and 5e-3 < straight.min()
     closed = Errors(curved_body, Solve(curved_body.Problem(gap=0), curved_body.Mesh(8, 3), two, order=3))
     assert closed[0] > 0.1
@@ -137,7 +137,7 @@ def test_slab_has_two_states_for_one_pull(two):
 
 
 def test_roller_creeps_in_from_both_ends(two):
-    """The sticking part is Cattaneo's to the resolution of the zones, and shrinks with the pull; not that of half the friction."""
+    """The sticking part shrinks with the pull as Cattaneo says, to the resolution of the zones; not with half the friction."""
     parts = []
     for solution in load_steps.Steps(4, largest=0.0045, method=two):
         (_, computed, expected), = load_steps.Compare(solution)
@@ -150,7 +150,7 @@ def test_roller_creeps_in_from_both_ends(two):
 
 @pytest.mark.parametrize("case, order", [(machine_part, 1), (step_part, 2)], ids=["machine", "step"])
 def test_parts_from_cad_balance(case, order):
-    """Forces to the error of the curved area on which they act; half the friction or another pad give another answer."""
+    """Forces to the error of the curved area on which they act; weaker bolts or a stiffer pad give another answer."""
     solution = case.Main(method=Conforming(), order=order, n=4)
     errors = np.abs(Errors(case, solution))
     assert errors[0] < 0.02 and errors.max() < 0.05
@@ -158,8 +158,9 @@ def test_parts_from_cad_balance(case, order):
         stiff = case.Main(method=Conforming(), order=order, n=4, stiffness=300)
         assert 0.1 < case.PadShare(solution) < case.PadShare(stiff) - 0.1 < 0.9
     else:
-        loose = Solve(case.Problem(coefficient=0.15), case.Mesh(4, order), Conforming(), order)
-        assert loose is None
+        problem = case.Problem()
+        weaker = {**problem.traction, "bolt": 0.9 * problem.traction["bolt"]}
+        assert Errors(case, Solve(replace(problem, traction=weaker), case.Mesh(4, order), Conforming(), order))[0] < -0.2
 
 
 def test_step_file_is_what_its_function_writes(tmp_path, monkeypatch):
@@ -190,6 +191,6 @@ def test_command_draws_a_solid_part_from_anywhere(tmp_path, monkeypatch, capsys)
     assert ExitCode("run step_part --method h1 --n 4 --order 1 --out results") == 0
     assert "Contact boundary" in capsys.readouterr().out
     written = {path.name for path in (tmp_path / "results").iterdir()}
-    assert written >= {"report.txt", "report.json", "solution.html", "solution.vtu", "setting.png", "deformed.png", "contact.png",
-                       "history.png"}
+    assert written >= {"report.txt", "report.json", "solution.html", "solution.vtu", "setting.png", "deformed.png",
+                       "contact.png", "history.png"}
     assert all((tmp_path / "results" / name).stat().st_size > 5000 for name in written if name.endswith((".png", ".html")))

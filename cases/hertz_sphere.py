@@ -36,7 +36,7 @@ def Problem(stiffness=1e6):
                           traction={"top": CF((0, 0, -FORCE / (pi * RADIUS ** 2)))})
 
 
-def Mesh(n=8, order=2):
+def Mesh(n=12, order=2):
     """About n/2 elements from the middle of the cap to its edge, its boundary of degree `order`."""
     angle = np.degrees(CONTACT / RADIUS)
     # The profile in the plane y = 0: x to the right, z up.
@@ -56,7 +56,7 @@ def Softness(stiffness=1e6):
     return pressure / stiffness / (spot ** 2 / RADIUS)
 
 
-def Main(*, method=InteriorPenalty(), order=2, n=8, solver=NestedNewtonSolver(), callback=None):
+def Main(*, method=InteriorPenalty(), order=2, n=12, solver=NestedNewtonSolver(), callback=None):
     disc = Discretization(Problem(), method, Mesh(n, order), order=order)
     return solver.Solve(disc, callback=callback)
 

@@ -66,7 +66,7 @@ def test_block_keeps_its_forces_and_nearly_the_contact_of_a_rigid_one(two):
 
 
 @pytest.mark.parametrize("case, n, tolerances, soft", [(hertz_line, 16, (1e-4, 5e-3, 5e-3), 2e3),
-                                                       (hertz_sphere, 8, (1e-3, 0.03, 0.03), 2e3)], ids=["line", "sphere"])
+                                                       (hertz_sphere, 12, (1e-3, 0.03, 0.03), 2e3)], ids=["line", "sphere"])
 def test_contact_of_hertz(case, n, tolerances, soft, two):
     """Force, size and largest pressure; not those of a radius larger by a fifth, nor on a foundation that yields."""
     solution = case.Main(method=two, n=n)

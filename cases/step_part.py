@@ -1,4 +1,4 @@
-"""A bearing block from a STEP file, screwed down on a soft pad: what do the screws carry, what the pad?
+"""A bearing block from a STEP file, screwed down on a soft pad.
 
 Question: Which part of the load on a bearing goes through the pad below it, and which through its screws?
 Domain: the solid in step_part.step, beside this file: a block of 100 x 30 x 12 [mm] and on it a bearing with a bore of radius

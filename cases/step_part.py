@@ -4,7 +4,7 @@ Question: Which part of the load on a bearing goes through the pad below it, and
 Domain: the solid in step_part.step, beside this file: a block of 100 x 30 x 12 [mm] and on it a bearing with a bore of radius
     14; the names of its faces, "pad", "screw", "bore" and "free", are in the file.
 Problem: aluminium, E = 70000, nu = 0.33 [N/mm^2]; the walls of the screw holes are fixed; 6 kN downwards in the bore; pad
-    p_n = 30 r, friction coefficient 0.4.
+    p_n = 300 r, friction coefficient 0.4.
 What to look at: pad and screws share the load like springs side by side: on a pad ten times as soft, or as stiff, they change
     roles.  The pad is pressed under the bearing, less at the screws.
 Source: balance of forces; the file was written by `Write`.
@@ -39,7 +39,7 @@ def Write(path=FILE):
     return part
 
 
-def Problem(stiffness=30):
+def Problem(stiffness=300):
     foundation = Foundation("pad", NormalCompliance(stiffness), friction=CoulombFriction(0.4))
     return ContactProblem(HookeMaterial(E=70000, nu=0.33), foundation, dirichlet={"screw": CF((0, 0, 0))},
                           traction={"bore": CF((0, 0, -LOAD / (2 * pi * RADIUS * DEPTH)))})
@@ -50,7 +50,7 @@ def Mesh(n=10, order=2):
     return ShapeMesh(OCCGeometry(str(FILE)).shape, 100 / n, order=order)
 
 
-def Main(*, method=InteriorPenalty(), order=2, n=10, stiffness=30, solver=NestedNewtonSolver(), callback=None):
+def Main(*, method=InteriorPenalty(), order=2, n=10, stiffness=300, solver=NestedNewtonSolver(), callback=None):
     disc = Discretization(Problem(stiffness), method, Mesh(n, order), order=order)
     return solver.Solve(disc, callback=callback)
 

@@ -1,5 +1,6 @@
 """A clamped beam under its weight on a foundation that breaks: two solutions of one problem.
 
+Question: Is there more than one equilibrium on a foundation that breaks when it is pressed too deep?
 Domain: (0,2) x (0,1), clamped on the left, touching the foundation (gap 0); no units.
 Problem: mu = lam = 4, body force (-1.2, -0.9); p_n(r) = 20 r up to r = `strength` = 0.1 and 0 beyond; friction of the
     potential ln(1 + |u_t|), that is p_t = `friction` min(r, 0.1)/(1 + |u_t|) with friction = 8.

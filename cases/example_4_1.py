@@ -1,5 +1,6 @@
 """A square pressed and dragged onto a soft foundation, with a constant friction bound.
 
+Question: How deep does a corner sink that is pulled down and dragged, and does a constant friction bound matter?
 Domain: (0,1) x (0.05,1.05) [mm], clamped on the right, gap 0.05 above the foundation.
 Problem: E = 2000, nu = 0.4 [daN/mm^2]; traction (200 (5-y), -190) on the left; p_n = 450 r, friction bound 1.
 What to look at: the lower left corner sinks 0.5 mm into the foundation; the friction bound is 1 against tractions near 1000

@@ -1,5 +1,6 @@
 """A square hanging from its top, sheared over a soft foundation: part of the bottom lifts off.
 
+Question: Which part of the base lifts off when a hanging block is sheared?
 Domain: (0,1) x (0,1) [mm], clamped on top, touching the foundation (gap 0).
 Problem: E = 2500, nu = 0.2 [daN/mm^2]; traction (880, 0) on the left; p_n = 250 r, friction bound 1.
 What to look at: the left half of the bottom presses and slips, the right half lifts off.

@@ -1,5 +1,6 @@
 """A plate pressed from above and from its sides onto a rigid plane with Coulomb friction: the benchmark of the GRECO group.
 
+Question: How far does each point of a pressed plate slide, on a plane that friction lets it stick to in the middle?
 Domain: (0,0.04) x (0,0.04) [m], half of a body 0.08 wide, symmetric about x = 0.04; the plane carries it vertically.
 Problem: plane strain, E = 1.3e11, nu = 0.2 [Pa]; pressure 5e7 on top, 15e7 on x = 0; friction coefficient 1; p_n = k r with
     k = 1e16 [Pa/m] for the rigid plane: u_x at the reference points differs from the limit by less than 1e-3 of its size.
@@ -32,3 +33,9 @@ def Mesh(n=32, cells="triangle"):
 def Main(*, method=InteriorPenalty(), order=2, n=32, cells="triangle", solver=NestedNewtonSolver(), callback=None):
     disc = Discretization(Problem(), method, Mesh(n, cells), order=order)
     return solver.Solve(disc, callback=callback)
+
+
+def Compare(solution):
+    """u_x at the points of REFERENCE, which are vertices of the mesh for n a multiple of 32."""
+    return [(f"u_x at x = {1e3 * place:g} mm [mm]", 1e3 * float(solution.At(place, 0)[0]), 1e3 * value)
+            for place, value in REFERENCE.items()]

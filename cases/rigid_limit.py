@@ -1,5 +1,6 @@
 """From a soft to a rigid foundation: normal compliance as a penalty for unilateral contact with Coulomb friction.
 
+Question: How stiff must a foundation be to stand for a rigid one?
 Domain: (0,1) x (0,1), contact on the bottom with gap 0; no units.
 Problem: E = 2500, nu = 0.2; p_n = k r, friction coefficient 0.4; loads and Dirichlet values of a unilateral solution that
     sticks for x < 1/4, slips up to 3/4 and lifts off beyond (`ngdgc.traces.RigidLimit`).

@@ -9,6 +9,7 @@ from pathlib import Path
 from . import __version__
 from .arguments import Finite, Folder, NumberOrAuto, Positive
 from .benchcommands import AddBench
+from .comparecommand import AddCompare
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .studies import AddStudies
 
@@ -16,6 +17,7 @@ EPILOG = """examples:
   ngdgc cases                                                  list the cases
   ngdgc run cases/example_4_1.py --method ip --n 16 --out results/
   ngdgc run example_4_2 --method h1 --order 2 --plane strain
+  ngdgc compare example_4_2 --n 8                              one case by all methods, side by side
   ngdgc table3                                                 Table 3 of the paper beside ours
   ngdgc convergence --method all --order 1 2 --cells triangle  errors and orders on a smooth solution
   ngdgc locking                                                errors of nearly incompressible bodies
@@ -61,6 +63,7 @@ def _Parser():
     listing.set_defaults(command=ListCases)
     AddStudies(commands)
     AddBench(commands)
+    AddCompare(commands, LoadCase)
     _AddStability(commands)
     return parser
 

@@ -8,6 +8,7 @@ from ngsolve import CF, Grad, Id, Sym, Trace
 
 from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
 from .exceptions import ProblemError
+from .formula import Described
 
 
 def Strain(u):
@@ -51,6 +52,9 @@ class HookeMaterial:
     mu: Any = None
     lam: Any = None
     plane: str = "strain"
+
+    def __repr__(self):
+        return Described(self, *(("mu", "lam") if self.E is None else ("E", "nu")), "plane")
 
     def __post_init__(self):
         if self.plane not in ("strain", "stress"):

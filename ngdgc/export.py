@@ -24,7 +24,7 @@ body { font: 13px sans-serif; }
 .ngdgc > * { pointer-events: auto; vertical-align: middle; }
 .ngdgc > div { pointer-events: none; margin-top: 3px; }
 .unit { position: fixed; left: 4%; top: calc(6% + 22px); pointer-events: none; }
-@media (max-width: 560px) { .dg.main { width: 110px !important; } }
+@media (max-width: 560px) { .dg.main, .dg .close-button { width: 110px !important; } }
 </style>"""
 CONTROLS = """<div class="unit">|u| [length]</div>
 <div class="ngdgc"><button id="play">Play</button> <input id="time" type="range" min="0"> <span id="label"></span>

@@ -14,6 +14,7 @@ from ngsolve import CoefficientFunction
 
 from .coefficients import CheckNumber, CheckRange, IsNumber, Pointwise, RegionName, Scalar, ValuesAt
 from .exceptions import ProblemError
+from .formula import Described
 from .hypotheses import CheckCompliance, CheckFriction, CheckLaws
 
 
@@ -89,6 +90,7 @@ class NormalCompliance(ComplianceLaw):
 
     stiffness: Any
     exponent: float = 1
+    __repr__ = Described
 
     def __post_init__(self):
         if not isinstance(self.stiffness, np.ndarray):
@@ -117,6 +119,7 @@ class CoulombFriction(FrictionLaw):
     """
 
     coefficient: Any
+    __repr__ = Described
 
     def __post_init__(self):
         if not isinstance(self.coefficient, np.ndarray):
@@ -148,6 +151,7 @@ class SlipWeakeningFriction(FrictionLaw):
     static: Any
     dynamic: Any
     distance: Any
+    __repr__ = Described
 
     def __post_init__(self):
         for name in ("static", "dynamic", "distance"):
@@ -185,6 +189,7 @@ class PowerFriction(FrictionLaw):
 
     stiffness: Any
     exponent: float = 1
+    __repr__ = Described
 
     def __post_init__(self):
         NormalCompliance.__post_init__(self)
@@ -208,6 +213,7 @@ class TrescaFriction(FrictionLaw):
     """
 
     bound: Any
+    __repr__ = Described
 
     def __post_init__(self):
         if not isinstance(self.bound, np.ndarray):
@@ -243,6 +249,7 @@ class Foundation:
     compliance: ComplianceLaw
     friction: FrictionLaw | None = None
     gap: Any = 0.0
+    __repr__ = Described
 
     def __post_init__(self):
         RegionName(self.boundary, "foundation")

@@ -1,28 +1,103 @@
 """What a run shows and leaves: progress of the iteration, and a folder with report, figures, page, VTK and solution."""
 
 import json
+import os
+import shutil
+import sys
+import time
+
+EVERY = 10          # iterations from one line of a log file to the next
+FIRST = 20          # iterations that a notebook shows at once; then one every PAUSE
+PAUSE = 0.1         # [s]
+UP = "\x1b[F\x1b[K"  # to the beginning of the line before, which is erased
 
 
 class Progress:
-    """A callback that shows every iteration: one line rewritten in a terminal, every tenth iteration in a file."""
+    """A callback that shows how an iteration goes: `solver.Solve(disc, callback=Progress())`.
 
-    def __init__(self, stream):
-        self.stream, self.live = stream, stream.isatty()
-        self.written = False
+    In a terminal one line is rewritten, cut to its width; in a notebook one line of output is updated, at most ten times a
+    second and at the end of the cell; in a file or a pipe the first and every tenth iteration are a line each, written at
+    once.  What is printed next begins on a new line, so nothing has to be closed; `Close()` shows the last iteration where it
+    was left out.  One object may follow several solves.
+
+    stream : where to write; None: the notebook or the standard output.  One that is closed, also a pipe whose reader has gone,
+        silences the progress and does not disturb the iteration
+
+    Ctrl-C raises `SolveInterrupted`, whose `solution` is the last iterate:
+
+    >>> from ngdgc.cases import example_4_2
+    >>> progress = Progress()
+    >>> solution = example_4_2.Main(n=2, callback=progress)     # doctest: +ELLIPSIS
+    iteration     1   change ...
+    >>> progress.Close()                                        # doctest: +ELLIPSIS
+    iteration ...
+    """
+
+    def __init__(self, stream=None):
+        self.display = _Display(self.Close) if stream is None else None
+        self.stream = sys.stdout if stream is None else stream
+        self.live = self.display is None and self.stream.isatty() and os.environ.get("TERM") != "dumb"
+        self.step, self.shown, self.time = None, None, 0.0
 
     def __call__(self, step):
-        line = (f"iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
-                f"{step.seconds:7.2f} s")
-        if self.live:
-            self.stream.write("\r" + line)
-            self.written = True
-        elif step.number == 1 or step.number % 10 == 0:
-            self.stream.write(line + "\n")
-        self.stream.flush()
+        self.step = step
+        if self.live or step.number == 1 or self._Due(step.number):
+            self._Show()
 
     def Close(self):
-        if self.written:
-            self.stream.write("\n")
+        """Show the last iteration if it has not been shown."""
+        if self.step is not self.shown:
+            self._Show()
+
+    def _Due(self, number):
+        if self.display is None:
+            return number % EVERY == 0
+        return number <= FIRST or time.perf_counter() - self.time >= PAUSE
+
+    def _Show(self):
+        step, follows = self.step, self.shown is not None and self.step.number > self.shown.number
+        line = (f"iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
+                f"{step.seconds:7.2f} s")
+        self.shown, self.time = step, time.perf_counter()
+        if self.display is not None:
+            self.display(line, follows)
+            return
+        try:
+            if self.live:
+                # A line that the terminal breaks would be two lines up.
+                line = (UP if follows else "") + line[:shutil.get_terminal_size().columns - 1]
+            self.stream.write(line + "\n")
+            self.stream.flush()
+        except (OSError, ValueError):
+            # Nobody reads any more; ValueError is what a closed file raises.
+            self.stream, self.live = open(os.devnull, "w"), False
+
+
+def _Display(Close):
+    """In a notebook, a function (line, update) that shows a line or replaces the last one shown; elsewhere None.
+
+    `Close` is called at the end of the cell.
+    """
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    if not hasattr(shell, "kernel"):
+        return None
+    from IPython.display import display
+
+    handle = None
+
+    def AtEnd(*_):
+        shell.events.unregister("post_run_cell", AtEnd)
+        Close()
+
+    def Display(line, update):
+        nonlocal handle
+        content = {"text/plain": line}
+        if update:
+            handle.update(content, raw=True)
+        else:
+            handle = display(content, raw=True, display_id=True)
+            shell.events.register("post_run_cell", AtEnd)
+    return Display
 
 
 def WriteResults(solution, folder, *, scale=1.0):
@@ -32,16 +107,17 @@ def WriteResults(solution, folder, *, scale=1.0):
     too.
     """
     from .export import WriteHTML, WriteVTK
-    from .plots import ContactFigure, DeformedFigure, HistoryFigure, SettingFigure
+    from .plots import ContactFigure, DeformedFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
 
     (folder / "report.txt").write_text(solution.Report(), encoding="utf-8")
-    (folder / "report.json").write_text(json.dumps(solution.ToJSON(), indent=2) + "\n", encoding="utf-8")
+    (folder / "report.json").write_text(json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
     solution.Save(folder / "solution")
     WriteHTML(solution, folder / "solution.html", scale=scale)
     WriteVTK(solution, folder / "solution.vtu")
     written = ["report.txt", "report.json", "solution/", "solution.html", "solution.vtu"]
     figures = {"setting": SettingFigure(solution.disc), "deformed": DeformedFigure(solution),
-               "contact": ContactFigure(solution), "history": HistoryFigure(solution)}
+               "contact": ContactFigure(solution), "law": LawFigure(solution), "zones": ZonesFigure(solution),
+               "history": HistoryFigure(solution)}
     if scale != 1:
         figures["deformed-scaled"] = DeformedFigure(solution, scale=scale)
     for name, figure in figures.items():

@@ -8,6 +8,7 @@ from typing import Any
 from .coefficients import RegionName, Scalar, Vector
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import ProblemError
+from .formula import Described
 from .foundation import Foundation
 
 
@@ -43,6 +44,7 @@ class ContactProblem:
     roller: Mapping[str, Any] | None = None
     traction: Mapping[str, Any] | None = None
     bodyforce: Any = None
+    __repr__ = Described
 
     def __post_init__(self):
         if not isinstance(self.material, (HookeMaterial, AnisotropicMaterial)):

@@ -5,14 +5,50 @@ from dataclasses import asdict
 import numpy as np
 
 LINE = 78
+# What `ContactSolution.ToJSON` holds; ranges are {"smallest": , "largest": } over the contact points.
+SCHEMA = {
+    "ngdgc": "version", "ngsolve": "version",
+    "method": "name", "options": "the method as it is written in Python", "material": "as written", "foundations": "as written",
+    "order": "polynomial degree", "dimension": "2 or 3", "elements": "number", "dofs": "number of unknowns",
+    "contact_points": "number",
+    "solver": "as written", "inverse": "what solved the linear equations", "converged": "true or false",
+    "iterations": "number, on the last mesh", "change": "of u, last iteration [1], or null without iteration",
+    "law_residual": "largest distance to the contact law [1], or null", "solves": "linear solves, or null",
+    "seconds": "of the iteration [s], or null",
+    "contraction": "factors per iteration, predicted and observed [1], each or null",
+    "levels": "of nested meshes: elements, dofs, points, iterations, solves, factorisation [s], seconds [s], converged of each",
+    "elastic_energy": "[stress length^d]", "normal_force": "int p_n [stress length^(d-1)]",
+    "zones": "length or area of separation, stick and slip [length^(d-1)]",
+    "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
+    "slip": "range of |u_t| [length]",
+    "resultants": "of supports, loads and foundations: kind, region, force (d) [stress length^(d-1)], moment about the origin "
+                  "[stress length^d], and integrated_stress (force, moment) by sigma n or null",
+    "global_imbalance": "sum of forces and moments, relative",
+    "element_imbalance": "the largest of an element, relative; discontinuous methods only",
+}
+
+
+def Plain(value):
+    """The value in types that JSON has: numbers that are not finite, which it has not, become None."""
+    if isinstance(value, dict):
+        return {key: Plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [Plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 def Summary(solution):
-    """The numbers of the report: plain str, int, float, bool, lists and dictionaries."""
+    """The numbers of the report, as the `SCHEMA` says."""
+    from importlib.metadata import version      # slow to import
+
     disc = solution.disc
     last = solution.history[-1] if solution.history else None
     slip = np.linalg.norm(solution.slip, axis=1)
     summary = {
+        "ngdgc": version("ngdgc"), "ngsolve": version("ngsolve"),
+        "material": repr(disc.problem.material), "foundations": [repr(foundation) for foundation in disc.problem.foundation],
         "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
         "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
         "solver": solution.solver, "inverse": disc.inversekind, "converged": solution.converged,

@@ -12,7 +12,7 @@ from .elasticity import Strain
 from .exceptions import ProblemError
 from .fluxes import Flux
 from .graph import ZONES, Distance
-from .report import Report, Summary
+from .report import Plain, Report, Summary
 from .resultants import ElementImbalance, GlobalImbalance, Resultants
 
 
@@ -209,8 +209,11 @@ class ContactSolution:
         return Report(self)
 
     def ToJSON(self):
-        """The numbers of the report as a dictionary of plain types, for json.dump."""
-        return Summary(self)
+        """The numbers of the report as a dictionary of plain types, for json.dump; `report.SCHEMA` says what they are.
+
+        Numbers that are not finite, which JSON has not, are None.
+        """
+        return Plain(Summary(self))
 
     def Save(self, folder):
         """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle)."""

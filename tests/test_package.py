@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "report", "parallel", "peers"], ["arguments", "coefficients", "storage", "meshes"],
+LAYERS = [["exceptions", "formula", "report", "parallel", "peers"], ["arguments", "coefficients", "storage", "meshes"],
           ["hypotheses"], ["elasticity", "foundation"],
           ["problem", "facets"], ["quadrature"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
@@ -31,12 +31,12 @@ LAYERS = [["exceptions", "report", "parallel", "peers"], ["arguments", "coeffici
           ["exact", "export", "plots.curves", "randomproblems",
            "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
           ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies",
-           "plots.atlas", "plots.sweep", "plots.bench"],
+           "plots.atlas", "plots.sweep", "plots.bench", "plots.law", "plots.zones"], ["plots.comparison"],
           ["plots.__init__"],
           ["atlas"], ["bench"],
           ["accuracy", "atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output",
            "stabilitystudy", "sweep", "table3"],
-          ["studies"], ["benchcommands"], ["cli"], ["exercises.checker"],
+          ["studies"], ["benchcommands", "comparecommand"], ["cli"], ["exercises.checker"],
           ["exercises.winkler", "exercises.spaces", "exercises.fluxes", "exercises.liftings", "exercises.iteration",
            "exercises.newton", "exercises.table", "exercises.rigid", "exercises.locking", "exercises.law"],
           ["exercises.__init__"]]

@@ -6,9 +6,12 @@ Every function returns a matplotlib Figure and leaves pyplot and its backends al
 from .atlas import AtlasFigure
 from .bench import GrowthFigure
 from .canvas import ZONE_COLOURS
+from .comparison import ComparisonFigure
 from .contact import ContactFigure
 from .deformed import DeformedFigure
 from .history import HistoryFigure
+from .law import LawFigure
 from .setting import SettingFigure
 from .studies import AccuracyFigure, ConvergenceFigure, LockingFigure
 from .sweep import SweepFigure
+from .zones import ZonesFigure

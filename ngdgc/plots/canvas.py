@@ -10,6 +10,8 @@ from .curves import Left, Outline
 BLUE, ORANGE, VERMILION, GREEN, RED = "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC3311"
 SKY, PURPLE = "#56B4E9", "#CC79A7"
 ZONE_COLOURS = ("#DDDDDD", BLUE, ORANGE)      # separation, stick, slip
+FOUNDATION_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
+WIDTH = 5.8     # of a figure [inch]: its 10 pt letters have 6 pt in a column of 3.5 inch
 THICKNESS = 0.18    # of a foundation block, relative to the body
 
 
@@ -19,6 +21,19 @@ def PlaneAxes():
     axes.spines[["top", "right"]].set_visible(False)
     axes.margins(0.03)
     return figure, axes
+
+
+def Panel(axes, **settings):
+    """Axes without a frame on the right and on top, over a pale grid."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.grid(color="#DDDDDD", linewidth=0.6)
+    axes.set(axisbelow=True, **settings)
+    return axes
+
+
+def Unconverged(solution):
+    """What the title of a figure adds."""
+    return "" if solution.converged else ", NOT CONVERGED"
 
 
 def Frame(axes):

@@ -7,10 +7,8 @@ from matplotlib.patches import Patch
 
 from ..graph import ZONES
 from .canvas import BLUE, GREEN, VERMILION, ZONE_COLOURS
-from .curves import Curves, Left
+from .curves import GAP, Along, Left
 from .solid import ContactMaps
-
-GAP = 1.1           # pieces of Gamma_C follow each other in a plot at this multiple of their length
 
 
 def ContactFigure(solution, *, slip=False):
@@ -33,7 +31,7 @@ def ContactFigure(solution, *, slip=False):
               "u": np.sum(solution.slip * tangent, axis=1), "r": solution.penetration}
     noise = 1e-12 * (np.abs(solution.traction).max(initial=0) or 1)
     for column, (foundation, *_) in zip(grid.T, contact.parts):
-        pieces = list(_Along(disc, foundation.boundary))
+        pieces = list(Along(disc, foundation.boundary))
         panels = dict(zip(rows, column))
         for s, numbers, _ in pieces:
             mark = {"marker": "o", "markersize": 3} if len(s) <= 100 else {}
@@ -51,21 +49,6 @@ def ContactFigure(solution, *, slip=False):
     handles += [Patch(color=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False)
     return figure
-
-
-def _Along(disc, region):
-    """(s, numbers of the contact points, curve) sorted along each piece of a foundation; pieces follow each other in s."""
-    contact, start = disc.contact, 0.0
-    for curve in Curves(disc, region):
-        s = np.full(len(contact.weights), np.nan)
-        for facet in np.unique(curve.points["nr"]):
-            edge = curve.points["nr"] == facet
-            mine = contact.members[contact.facets == facet]
-            chord = curve.coordinates[edge][-1] - curve.coordinates[edge][0]
-            s[mine] = np.interp(contact.coordinates[mine] @ chord, curve.coordinates[edge] @ chord, curve.s[edge])
-        numbers = np.argsort(s)[:np.sum(~np.isnan(s))]
-        yield start + s[numbers], numbers, curve
-        start += GAP * curve.s[-1]
 
 
 def _DrawZones(axes, pieces, zones):

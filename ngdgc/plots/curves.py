@@ -7,6 +7,8 @@ from ngsolve import BND, QUAD, SEGM, TRIG, VOL, ElementId, IntegrationRule, spec
 
 from ..facets import REFERENCE_VERTICES, Coordinates
 
+GAP = 1.1   # pieces of Gamma_C follow each other in a plot at this multiple of their length
+
 
 @dataclass(frozen=True)
 class Curve:
@@ -60,6 +62,21 @@ def Curves(disc, region):
         outward = np.sign(-np.sum(edge[2] * Left(edge[1][-1] - edge[1][0])))
         following.setdefault(ends[0], []).append((ends[1], (edge[0], edge[1], outward * edge[2])))
     return [Curve(*map(np.concatenate, zip(*edges))) for edges in _Chains(following)]
+
+
+def Along(disc, region):
+    """(s, numbers of the contact points, curve) sorted along each piece of a foundation; pieces follow each other in s."""
+    contact, start = disc.contact, 0.0
+    for curve in Curves(disc, region):
+        s = np.full(len(contact.weights), np.nan)
+        for facet in np.unique(curve.points["nr"]):
+            edge = curve.points["nr"] == facet
+            mine = contact.members[contact.facets == facet]
+            chord = curve.coordinates[edge][-1] - curve.coordinates[edge][0]
+            s[mine] = np.interp(contact.coordinates[mine] @ chord, curve.coordinates[edge] @ chord, curve.s[edge])
+        numbers = np.argsort(s)[:np.sum(~np.isnan(s))]
+        yield start + s[numbers], numbers, curve
+        start += GAP * curve.s[-1]
 
 
 def _Chains(following):

@@ -5,7 +5,7 @@ from matplotlib.collections import PolyCollection
 
 from ..coefficients import ValuesAt
 from ..facets import Coordinates
-from .canvas import DrawBlock, Frame, PlaneAxes, Thickness
+from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, Left, SplitByElement
 from .solid import DeformedSurface
 
@@ -34,14 +34,19 @@ def DeformedFigure(solution, *, scale=1):
             margin = 0.15 * thickness
             DrawBlock(axes, curve, scale * ValuesAt(foundation.gap, curve.points, "gap"), thickness,
                        [length + margin if length > margin and not curve.closed else 0 for length in reach])
-    points = ElementOutlines(disc)
+    u = DrawElements(axes, solution, scale)
+    magnified = "displacement x 1" if scale == 1 else f"displacement and gap x {scale:g}"
+    axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\n{magnified}, "
+                   f"max |u| = {np.linalg.norm(u, axis=1).max():.3g}{Unconverged(solution)}", fontsize=10)
+    return Frame(axes)
+
+
+def DrawElements(axes, solution, scale):
+    """The elements, each moved by its own u_h times `scale`, and the undeformed outline; returns u_h (n, 2) around them."""
+    points = ElementOutlines(solution.disc)
     u = np.asarray(solution.gfu(points))
     axes.add_collection(PolyCollection(SplitByElement(points, np.asarray(Coordinates(2)(points)) + scale * u), gid="elements",
                                        facecolors=(0.85, 0.9, 0.95, 0.6), edgecolors="#222222", linewidths=0.5))
-    for curve in Curves(disc, ".*"):
+    for curve in Curves(solution.disc, ".*"):
         axes.plot(*curve.coordinates.T, "--", color="#555555", linewidth=1)
-    state = "" if solution.converged else ", NOT CONVERGED"
-    magnified = "displacement x 1" if scale == 1 else f"displacement and gap x {scale:g}"
-    axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\n{magnified}, "
-                   f"max |u| = {np.linalg.norm(u, axis=1).max():.3g}{state}", fontsize=10)
-    return Frame(axes)
+    return u

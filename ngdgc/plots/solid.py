@@ -1,6 +1,7 @@
 """Figures of bodies in space: maps of Gamma_C, the deformed surface, and the setting."""
 
 import numpy as np
+from matplotlib.collections import PolyCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
@@ -19,7 +20,7 @@ def ContactMaps(solution):
     grid = figure.subplots(len(contact.parts), 3, squeeze=False)
     size = np.linalg.norm(solution.friction, axis=1)
     for row, (foundation, here, _, _) in zip(grid, contact.parts):
-        frame = _TangentFrame(contact.normals[here].mean(axis=0))
+        frame = TangentFrame(contact.normals[here].mean(axis=0))
         s, t = (contact.coordinates[here] @ axis for axis in frame)
         marks = {"s": max(6, 40000 / len(s)), "linewidths": 0}      # that they nearly touch on a square
         for axes, values, label in ((row[0], solution.pressure[here], "pressure $p_n$ [stress]"),
@@ -31,11 +32,52 @@ def ContactMaps(solution):
             row[1].quiver(s[few], t[few], *along[few].T, color="white", edgecolor="black", linewidth=0.5, width=0.006)
         row[2].scatter(s, t, c=solution.zones[here], cmap=ListedColormap(ZONE_COLOURS), vmin=-0.5, vmax=2.5, **marks)
         for axes, name in zip(row, ("pressure", "friction on the body", "zones")):
-            axes.set(aspect="equal", xlabel=_Along(frame[0]), ylabel=_Along(frame[1]))
+            axes.set(aspect="equal", xlabel=TangentLabel(frame[0]), ylabel=TangentLabel(frame[1]))
             axes.set_title(f"{name}, {foundation.boundary!r}", fontsize=10)
     figure.legend(handles=[Patch(facecolor=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)],
                   loc="outside lower right", ncols=len(ZONES), frameon=False)
     return figure
+
+
+def DrawMap(axes, solution, here, frame, *, array, **style):
+    """A foundation (`here`, the slice of its points) seen along its normal, coloured by the values (n,) at contact points.
+
+    A point stands for the part of its face that is nearest to it.  `frame` (2, 3) are the axes; returns the collection.
+    """
+    contact, (corners, _) = solution.disc.contact, BoundaryFunction(solution.disc.facets, solution.gfu)
+    faces, cells, members = [], [], []
+    for facet in np.unique(contact.facets[(contact.members >= here.start) & (contact.members < here.stop)]):
+        mine = contact.members[contact.facets == facet]
+        faces.append(corners[facet] @ frame.T)
+        cells += Cells(faces[-1], contact.coordinates[mine] @ frame.T)
+        members += mine.tolist()
+    drawn = axes.add_collection(PolyCollection(cells, array=array[members], edgecolors="face", linewidths=0.3, **style))
+    axes.add_collection(PolyCollection(faces, facecolors="none", edgecolors="#777777", linewidths=0.4))
+    axes.set(aspect="equal")
+    axes.autoscale_view()
+    return drawn
+
+
+def Cells(polygon, points):
+    """The parts of a convex polygon (m, 2) that are nearest to each of the points (n, 2), a list of n polygons."""
+    cells = []
+    for point in points:
+        cell = polygon
+        for other in points[np.any(points != point, axis=1)]:
+            cell = _HalfPlane(cell, other - point, (point + other) / 2)
+        cells.append(cell)
+    return cells
+
+
+def _HalfPlane(polygon, normal, origin):
+    """The part of a convex polygon where (x - origin).normal <= 0."""
+    height, corners = (polygon - origin) @ normal, []
+    for a, b, low, high in zip(polygon, np.roll(polygon, -1, axis=0), height, np.roll(height, -1)):
+        if low <= 0:
+            corners.append(a)
+        if low * high < 0:
+            corners.append(a + low / (low - high) * (b - a))
+    return np.array(corners).reshape(-1, 2)
 
 
 def DeformedSurface(solution, scale):
@@ -84,9 +126,14 @@ def _Surface(faces, colours, title, legend):
     return figure
 
 
-def _TangentFrame(normal):
-    """Two orthonormal tangents, the first along the coordinate axis that is most nearly tangential."""
+def TangentFrame(normal):
+    """Two orthonormal tangents, the first along the coordinate axis that is most nearly tangential.
+
+    A normal within 8 degrees of a coordinate axis is taken for it: the mean of a mesh of a symmetric surface is a bit off.
+    """
     normal = normal / np.linalg.norm(normal)
+    if np.abs(normal).max() > 0.99:
+        normal = np.round(normal)
     first = np.eye(3)[np.abs(normal).argmin()]
     first = first - (first @ normal) * normal
     first /= np.linalg.norm(first)
@@ -94,7 +141,7 @@ def _TangentFrame(normal):
     return first, second * np.sign(second[np.abs(second).argmax()])
 
 
-def _Along(axis):
+def TangentLabel(axis):
     for name, unit in zip("xyz", np.eye(3)):
         if np.allclose(axis, unit):
             return f"{name} [length]"

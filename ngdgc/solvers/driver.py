@@ -56,7 +56,7 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
                 change = Scale(iterate.displacement - positions[-1]) / size
                 if np.array_equal(iterate.displacement, positions[-1]):
                     change = 0.0
-                history.append(Step(number, change, LawResidual(disc.contact, iterate), disc.solves,
+                history.append(Step(number, float(change), LawResidual(disc.contact, iterate), disc.solves,
                                     time.perf_counter() - start))
                 if callback is not None:
                     callback(history[-1])

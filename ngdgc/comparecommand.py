@@ -1,0 +1,63 @@
+"""The command `ngdgc compare`: one case by all methods, as a figure and a table."""
+
+import numpy as np
+
+from .arguments import Folder, Positive
+from .exceptions import NotConvergedError, ProblemError
+from .studies import Show, Write
+
+TITLES = ("method", "unknowns", "iterations", "solves", "seconds", "max |u|", "max p_n", "int p_n", "energy")
+
+
+def AddCompare(commands, LoadCase):
+    """The parser of the command, added to those of the command line; `LoadCase(name)` is the module of a case."""
+    compare = commands.add_parser("compare", help="solve a case by several methods; a figure and a table",
+                                  description="Solve a case by several methods on the same mesh; write and print a table, and "
+                                  "draw pressure, friction and deformed bodies side by side.")
+    compare.add_argument("case", help="a file, or the name of a case that comes with the package")
+    compare.add_argument("--method", nargs="+", default=["ip", "bassi", "brezzi", "ldg", "h1"],
+                         help="ip, bassi, brezzi, ldg, nipg, iipg, h1 (default ip bassi brezzi ldg h1)")
+    compare.add_argument("--order", type=Positive, default=1, help="polynomial degree of the displacement (default 1)")
+    compare.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
+    compare.add_argument("--out", default="results", help="folder for comparison.png and comparison.txt (default results/)")
+    compare.set_defaults(command=lambda options: Compare(options, LoadCase(options.case)))
+
+
+def Compare(options, case):
+    """Solve, print and draw; the exit code is 1 if a method did not converge, whose last iterate is shown.
+
+    What was computed is written also after Ctrl-C.
+    """
+    from .methods import METHODS
+    from .plots import ComparisonFigure
+
+    for name in options.method:
+        if name not in METHODS:
+            raise ProblemError(f"no method {name!r}; choose some of {', '.join(METHODS)}")
+    folder, solutions = Folder(options.out), {}
+    try:
+        for name in options.method:
+            Show(name)
+            try:
+                solutions[name] = case.Main(method=METHODS[name](), order=options.order, n=options.n)
+            except NotConvergedError as stop:
+                solutions[name] = stop.solution
+    finally:
+        if solutions:
+            Write(folder, "comparison", Table(solutions), {"comparison": ComparisonFigure(solutions)})
+    return 0 if all(solution.converged for solution in solutions.values()) else 1
+
+
+def Table(solutions):
+    """A line of text for each of {label: solution}: its size and cost, the elastic energy, and on Gamma_C the largest |u|
+    [length] and p_n [stress], and the integral of p_n."""
+    rows = [TITLES]
+    for label, solution in solutions.items():
+        last = solution.history[-1]
+        values = (np.linalg.norm(solution.displacement, axis=1).max(), solution.pressure.max(), solution.normalforce,
+                  solution.energy)
+        rows.append((label + ("" if solution.converged else " (not converged)"), str(solution.disc.space.ndof),
+                     str(last.number), str(last.solves), f"{last.seconds:.2f}", *(f"{value:.6g}" for value in values)))
+    first, *others = [max(map(len, column)) for column in zip(*rows)]
+    return "\n".join("  ".join([row[0].ljust(first), *(text.rjust(width) for text, width in zip(row[1:], others))])
+                     for row in rows)

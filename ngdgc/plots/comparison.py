@@ -1,0 +1,100 @@
+"""Solutions side by side: pressure and friction on common axes, deformed bodies at a common scale."""
+
+import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from ..exceptions import ProblemError
+from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
+from .curves import Along, Left
+from .deformed import DrawElements
+from .solid import DrawMap, TangentFrame, TangentLabel
+
+COLOURS = (*FOUNDATION_COLOURS, VERMILION, "black")
+LINES = ("-", "--", "-.", ":")
+MARKERS = "os^vDx+"
+FEW = 60        # points of a curve from which on markers would hide it
+ROW = 3         # deformed bodies in a row
+
+
+def ComparisonFigure(solutions, *, scale=1):
+    """Solutions {label: ContactSolution} of one problem, for example by several methods.
+
+    2D: pressure p_n and friction sigma_t along s, as in `ContactFigure`, on common axes, a column for each foundation; below,
+    the deformed bodies with common axes.  3D: maps of the pressure in common colours, a row for each solution.
+    scale : of the displacement in the deformed bodies, 1 is real
+
+    Raises ProblemError if there is no solution, or if dimension or foundations differ.
+    """
+    if not isinstance(solutions, dict) or not solutions:
+        raise ProblemError(f"solutions is {solutions!r}; give a dictionary of ContactSolutions by their labels, "
+                           'such as {"IP": first, "H1": second}')
+    first = next(iter(solutions.values()))
+    for label, solution in solutions.items():
+        if _Kind(solution) != _Kind(first):
+            raise ProblemError(f"solution {label!r} has (dimension, foundations) {_Kind(solution)}, the first one "
+                               f"{_Kind(first)}; compare solutions of one problem")
+    return _Maps(solutions) if first.disc.mesh.dim == 3 else _Curves(solutions, scale)
+
+
+def _Kind(solution):
+    return solution.disc.mesh.dim, *(foundation.boundary for foundation, *_ in solution.disc.contact.parts)
+
+
+def _Curves(solutions, scale):
+    parts = next(iter(solutions.values())).disc.contact.parts
+    rows = -(-len(solutions) // ROW)
+    figure = Figure(figsize=(WIDTH, 4.2 + 2.1 * rows), layout="constrained")
+    upper, lower = figure.subfigures(2, 1, height_ratios=[4.2, 2.1 * rows])
+    grid = upper.subplots(2, len(parts), squeeze=False, sharex="col", sharey="row")
+    handles = []
+    for number, (label, solution) in enumerate(solutions.items()):
+        colour, line, mark = COLOURS[number % len(COLOURS)], LINES[number % len(LINES)], MARKERS[number % len(MARKERS)]
+        style = {"color": colour, "linestyle": line, "marker": mark, "linewidth": 1.2, "markersize": 4, "fillstyle": "none"}
+        handles.append(Line2D([], [], label=label + Unconverged(solution), **style))
+        friction = np.sum(solution.friction * Left(solution.normals), axis=1)
+        for column, (foundation, *_) in zip(grid.T, parts):
+            for s, numbers, _ in Along(solution.disc, foundation.boundary):
+                style |= {"marker": mark if len(s) <= FEW else ""}
+                column[0].plot(s, solution.pressure[numbers], **style)
+                column[1].plot(s, friction[numbers], **style)
+    for column, (foundation, *_) in zip(grid.T, parts):
+        Panel(column[0], title=f"foundation of {foundation.boundary!r}").title.set_fontsize(10)
+        Panel(column[1], xlabel="s [length]").axhline(0, color="#999999", linewidth=0.8, zorder=0)
+    grid[0, 0].set_ylabel("pressure\n$p_n$ [stress]")
+    grid[1, 0].set_ylabel("friction along s\n$\\sigma_t$ [stress]")
+    upper.align_ylabels(grid[:, 0])
+    upper.legend(handles=handles, loc="outside lower center", ncols=min(len(handles), 4), frameon=False)
+    _DrawBodies(lower, solutions, scale, rows)
+    return figure
+
+
+def _DrawBodies(figure, solutions, scale, rows):
+    columns = min(len(solutions), ROW)
+    grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
+    for axes in grid.ravel()[len(solutions):]:
+        axes.set_visible(False)
+    for axes, (label, solution) in zip(grid.ravel(), solutions.items()):
+        DrawElements(axes, solution, scale)
+        axes.set_aspect("equal")
+        axes.autoscale_view()
+        axes.set_title(label, fontsize=10)
+        axes.spines[["top", "right"]].set_visible(False)
+    figure.supxlabel(f"x [length], displacement x {scale:g}", fontsize=10)
+    figure.supylabel("y [length]", fontsize=10)
+
+
+def _Maps(solutions):
+    parts = next(iter(solutions.values())).disc.contact.parts
+    figure = Figure(figsize=(WIDTH, 2.5 * len(solutions) + 0.5), layout="constrained")
+    grid = figure.subplots(len(solutions), len(parts), squeeze=False, sharex="col", sharey="col")
+    largest = [max(solution.pressure[solution.disc.contact.parts[number][1]].max() for solution in solutions.values())
+               for number in range(len(parts))]
+    for row, (label, solution) in zip(grid, solutions.items()):
+        for axes, top, (foundation, here, *_) in zip(row, largest, solution.disc.contact.parts):
+            frame = np.array(TangentFrame(solution.normals[here].mean(axis=0)))
+            drawn = DrawMap(axes, solution, here, frame, array=solution.pressure, clim=(0, top), cmap="viridis", gid="pressure")
+            axes.set(xlabel=TangentLabel(frame[0]), ylabel=TangentLabel(frame[1]))
+            axes.set_title(f"{label}{Unconverged(solution)}, {foundation.boundary!r}", fontsize=10)
+            figure.colorbar(drawn, ax=axes, label="pressure $p_n$\n[stress]")
+    return figure

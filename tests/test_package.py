@@ -37,7 +37,10 @@ LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols"],
           ["atlas"], ["bench"],
           ["accuracy", "atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output",
            "stabilitystudy", "sweep", "table3"],
-          ["studies"], ["benchcommands", "comparecommand"], ["cli"], ["exercises.__init__"]]
+          ["studies"], ["benchcommands", "comparecommand"], ["cli"], ["exercises.checker"],
+          ["exercises.winkler", "exercises.spaces", "exercises.fluxes", "exercises.liftings", "exercises.iteration",
+           "exercises.newton", "exercises.table", "exercises.rigid", "exercises.locking", "exercises.law"],
+          ["exercises.__init__"]]
 
 
 def test_tests_run_against_the_installed_package():

@@ -1,0 +1,214 @@
+"""How an answer is graded: kinds of answers, what they are compared with, and the hint that fits the mistake.
+
+A kind of answer has `Hint(answer)`, None if the answer is right, else a sentence that helps without the answer in it.  Right
+values are computed when they are asked for; so are typical wrong ones, each with its own hint.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from html import escape
+from numbers import Number
+from typing import Any, ClassVar
+
+import numpy as np
+import scipy.sparse as sp
+
+SEED = 6                            # of the data on which functions are tried
+CLOSE = 0.1                         # relative error from which on an answer is no longer a nearly right one
+FACTORS = (2, 3, 4, 8, np.pi)       # and their inverses: what numbers that are right otherwise are often wrong by
+TEN = 10.0 ** np.array([-9, -6, -4, -3, -2, -1, 1, 2, 3, 4, 6, 9])
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What became of an answer: `state` "correct", "not yet" or "not answered yet", and a hint or, if correct, an insight.
+
+    >>> bool(Verdict("01.1", "not yet", "Mind the sign."))
+    False
+    """
+
+    exercise: str
+    state: str
+    words: str
+
+    COLOURS: ClassVar[dict] = {"correct": "#009E73", "not yet": "#D55E00", "not answered yet": "#777777"}
+
+    def __bool__(self):
+        return self.state == "correct"
+
+    def __str__(self):
+        return f"{self.exercise}: {self.state}. {self.words}"
+
+    __repr__ = __str__
+
+    def _repr_html_(self):
+        return (f'<div style="border-left:6px solid {self.COLOURS[self.state]}; padding:4px 12px"><b>{self.exercise}: '
+                f'{self.state}.</b> {escape(self.words)}</div>')
+
+
+def Grade(name, exercise, answer):
+    """The Verdict on an answer to an exercise, an object with `Hint(answer)` and `insight`; `...` is no answer yet."""
+    if answer is ...:
+        return Verdict(name, "not answered yet", "Put your answer in place of the three dots and run the cell again.")
+    hint = exercise.Hint(answer)
+    return Verdict(name, "correct", exercise.insight) if hint is None else Verdict(name, "not yet", hint)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Value:
+    """A number, an array or a matrix, sparse ones too.
+
+    Right : function that returns the value;  tol : allowed error relative to its largest entry
+    mistakes : {hint: function that returns the value of this mistake};  hint : for all other mistakes
+    insight : said of a correct answer
+    """
+
+    Right: Callable
+    hint: str
+    insight: str
+    tol: float = 0.01
+    mistakes: Mapping[str, Callable] = field(default_factory=dict)
+
+    def Hint(self, answer):
+        wrong = [(hint, Mistake()) for hint, Mistake in self.mistakes.items()]
+        return Compare(answer, self.Right(), wrong, self.hint, self.tol)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Function:
+    """A function, tried on data that the student does not see.
+
+    Right : the function;  Data : numpy random generator -> tuple of its arguments;  words : what to call it
+    mistakes : {hint: wrong function};  hint, insight, tol : as for `Value`
+    """
+
+    Right: Callable
+    Data: Callable
+    hint: str
+    insight: str
+    tol: float = 1e-8
+    mistakes: Mapping[str, Callable] = field(default_factory=dict)
+    words: str = "your function"
+
+    def Hint(self, answer):
+        if not callable(answer):
+            return f"Wrong type: the answer is {_Kind(answer)}; give the function itself, without calling it."
+        try:
+            found = answer(*self._Arguments())
+        except Exception as error:      # whatever a student's function does is to be graded
+            return f"When it is called, {self.words} raises {type(error).__name__}: {error}"
+        if found is None or found is ...:
+            return f"Nothing comes out of {self.words}; is there a return?"
+        wrong = [(hint, Mistake(*self._Arguments())) for hint, Mistake in self.mistakes.items()]
+        return Compare(found, self.Right(*self._Arguments()), wrong, self.hint, self.tol)
+
+    def _Arguments(self):
+        """The same data every time, new arrays: a function may write into its arguments."""
+        return self.Data(np.random.default_rng(SEED))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Law:
+    """An object with methods, each graded as a `Function`: {name: Function}, in this order."""
+
+    methods: Mapping[str, Function]
+    insight: str
+
+    def Hint(self, answer):
+        if isinstance(answer, type):
+            return f"Wrong type: the answer is the class {answer.__name__}; make an object of it, with its data in parentheses."
+        for name, method in self.methods.items():
+            if not callable(getattr(answer, name, None)):
+                return f"Wrong type: {_Kind(answer)} has no method {name}; the law needs {', '.join(self.methods)}."
+            hint = method.Hint(getattr(answer, name))
+            if hint is not None:
+                return f"{name}: {hint}"
+        return None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Choice:
+    """One of several statements and the reason for it, a pair such as ("b", 2).
+
+    right : the pair;  choices : {wrong letter: hint};  reasons : {wrong number: hint}, for the right letter
+    """
+
+    right: tuple
+    choices: Mapping[str, str]
+    reasons: Mapping[int, str]
+    insight: str
+
+    def Hint(self, answer):
+        letters, numbers = sorted([self.right[0], *self.choices]), sorted([self.right[1], *self.reasons])
+        if not isinstance(answer, (tuple, list)) or len(answer) != 2:
+            return f"Wrong type: give a statement and its reason as a pair, a letter and a number such as ({letters[0]!r}, 1)."
+        letter, number = answer
+        if letter not in letters or number not in numbers:
+            return f"Statements are {', '.join(letters)} and reasons {', '.join(map(str, numbers))}; give one of each."
+        if letter != self.right[0]:
+            return self.choices[letter]
+        return None if number == self.right[1] else f"The statement is right, the reason is not. {self.reasons[number]}"
+
+
+def Compare(answer, right, wrong, hint, tol):
+    """None if an answer equals the right value, else the hint that fits; `wrong` is a list of (hint, value)."""
+    right = _Array(right)
+    try:
+        found = _Array(answer)
+    except (TypeError, ValueError):
+        return f"Wrong type: {_Kind(answer)} is no {'number' if right.ndim == 0 else 'array of numbers'}."
+    if found.shape != right.shape:
+        if found.ndim == 2 and found.T.shape == right.shape:
+            return "Wrong shape: rows and columns are interchanged."
+        return f"Wrong shape: the answer has shape {found.shape}, expected is {right.shape}."
+    if not np.all(np.isfinite(found)):
+        return "Not finite: look for a division by zero, or a root or power of a negative number."
+    scale = np.abs(right).max(initial=0) or 1.0
+
+    def Same(value):
+        return np.abs(found - _Array(value)).max(initial=0) <= tol * scale
+
+    if Same(right):
+        return None
+    for words, value in wrong:
+        if Same(value):
+            return words
+    return _General(found, right, Same, scale) or hint
+
+
+def _General(found, right, Same, scale):
+    """The hint for a mistake that shows whatever the exercise is, or None."""
+    if Same(-right):
+        return "Wrong sign: the size is right.  In which direction is this quantity counted as positive?"
+    if right.ndim == 2 and right.shape[0] == right.shape[1] and Same(right.T):
+        return "The matrix is transposed: NGSolve's rows belong to the test functions v, its columns to u."
+    if not np.any(found):
+        return "Zero everywhere: is the term assembled, on facets that exist?"
+    if any(Same(factor * right) for factor in TEN):
+        return "Wrong unit: the digits are right, the power of ten is not."
+    ratio = float(np.vdot(found, right) / scale / (np.vdot(right, right) / scale))
+    common = any(np.isclose(abs(ratio), value, rtol=1e-3) for factor in FACTORS for value in (factor, 1 / factor))
+    if Same(ratio * right) and (right.size > 1 or common):
+        return "Wrong factor: everything is right up to a constant."
+    if right.size > 1 and Same(right + np.mean(found - right)):
+        return "Wrong by a constant that was added or forgotten, such as the gap."
+    if np.abs(found - right).max() <= CLOSE * scale:
+        return "Close, but not close enough: look for rounded data, or for a small term that is missing."
+    return None
+
+
+def _Array(value):
+    """Numbers as a float array; TypeError for anything else."""
+    value = value.toarray() if sp.issparse(value) else value
+    if isinstance(value, (str, bytes, bool)) or callable(value):
+        raise TypeError
+    if not isinstance(value, (Number, np.ndarray, list, tuple, np.generic)):
+        raise TypeError
+    array = np.asarray(value)
+    if array.dtype.kind not in "iuf":
+        raise TypeError
+    return array.astype(float)
+
+
+def _Kind(answer: Any):
+    return f"an object of type {type(answer).__name__}"

@@ -93,4 +93,6 @@ def _Escape(text):
     parts[::2] = [re.sub(r"([\\*_|])", r"\\\1", part) for part in parts[::2]]
     if len(parts) % 2 == 0:
         return re.sub(r"([\\*_|`])", r"\\\1", text)
-    return "".join(f"``{part}``" if number % 2 else part for number, part in enumerate(parts))
+    # A backslash ends a literal before a letter, as in a plural.
+    return "".join((f"``{part}``" + ("\\ " if parts[number + 1][:1].isalnum() else "")) if number % 2 else part
+                   for number, part in enumerate(parts))

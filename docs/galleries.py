@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import json
 import multiprocessing
 import re
 from concurrent.futures import ProcessPoolExecutor
@@ -62,7 +63,7 @@ def Index(files):
         parts = Parts(ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))))
         lines += [f":::{{grid-item-card}} {Escape(parts['title'])}", f":img-top: {path.stem}-DeformedFigure.png",
                   f":link: {path.stem}", ":link-type: doc", "", Escape(parts.get("Question", "")), ":::", ""]
-    return "\n".join([*lines, "::::", "", "```{toctree}", ":hidden:", "", *(path.stem for path in files), "```", ""])
+    return "\n".join([*lines, "::::", "", "```{toctree}", ":hidden:", "", *(f"{path.stem.replace('_', ' ')} <{path.stem}>" for path in files), "```", ""])
 
 
 def WriteCase(path, folder):
@@ -87,8 +88,10 @@ def WriteCase(path, folder):
               "the menu has the colour range and the scale of the deformation.", "",
               f'<iframe src="{scene.name}" title="displacement of {path.stem}" loading="lazy"></iframe>', ""]
     if hasattr(case, "Compare"):
+        compared = [(quantity, float(computed), float(expected)) for quantity, computed, expected in case.Compare(solution)]
+        (folder / f"{path.stem}.json").write_text(json.dumps(compared), encoding="utf-8")
         rows = [(quantity, f"{computed:.6g}", f"{expected:.6g}", Relative(computed, expected))
-                for quantity, computed, expected in case.Compare(solution)]
+                for quantity, computed, expected in compared]
         lines += ["## Against formula or publication", "",
                   Table(("quantity", "computed", "expected", "difference"), rows).text, ""]
     page = [f"# {Escape(parts['title'])}", ""]

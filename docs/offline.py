@@ -46,7 +46,7 @@ def SharedScenes(text, page, outdir):
         scene = html.unescape(match[1])
         name = f"scenes/{sha256(scene.encode()).hexdigest()[:12]}.html"
         Store(scene, outdir / name, outdir)
-        return f'src="{up}{name}" loading="lazy"'
+        return f'src="{up}{name}"'
     return SCENE.sub(Move, text)
 
 

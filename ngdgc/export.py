@@ -1,31 +1,139 @@
-"""Files of a solution for other viewers: a web page with NGSolve's viewer, and VTK for ParaView."""
+"""Pictures and files of a solution for other viewers: scenes of NGSolve's viewer on a web page, and VTK for ParaView."""
 
+import html
 from pathlib import Path
 
 import numpy as np
+from matplotlib import colormaps
 from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, VTKOutput, sqrt
 from ngsolve.webgui import Draw
 
 from .elasticity import HookeMaterial
+from .exceptions import ProblemError
 from .facets import Coordinates, VolumePoints
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
-CAPTION_STYLE = "position:fixed; left:0; right:0; bottom:8px; text-align:center; font:15px sans-serif; pointer-events:none"
+COLOURS = colormaps["viridis"](np.linspace(0, 1, 12))[:, :3].tolist()    # NGSolve's own rainbow is not colour-blind safe
+HEIGHT = 400        # of a scene in a notebook [pixels]
 LIGHT = {"ambient": 0.6, "diffuse": 0.4}
+NEGLIGIBLE = 0.01   # part of the largest |u| below which colours begin at 0
 SUBDIVISION = 3     # bisections of an element in VTK files at most: 8 intervals along an edge
+STYLE = """<style>
+body { font: 13px sans-serif; }
+.ngdgc { position: fixed; left: calc(60px + 12vh); right: 2%; bottom: 6px; text-align: center; pointer-events: none; }
+.ngdgc > * { pointer-events: auto; vertical-align: middle; }
+.ngdgc > div { pointer-events: none; margin-top: 3px; }
+.unit { position: fixed; left: 4%; top: calc(6% + 22px); pointer-events: none; }
+@media (max-width: 560px) { .dg.main { width: 110px !important; } }
+</style>"""
+CONTROLS = """<div class="unit">|u| [length]</div>
+<div class="ngdgc"><button id="play">Play</button> <input id="time" type="range" min="0"> <span id="label"></span>
+<div>{caption}</div></div>
+<script>
+{{
+  const {{states, labels, smooth}} = render_data.ngdgc, last = states.length - 1;
+  const time = document.getElementById("time"), play = document.getElementById("play");
+  // The viewer's colour bar would be drawn lighter than the colours of the body.
+  scene.renderer.outputColorSpace = "srgb-linear";
+  time.max = last;
+  time.step = smooth ? 0.01 : 1;
+  time.value = last;
+  const show = () => {{
+    const t = Number(time.value), i = Math.min(Math.floor(t), Math.max(last - 1, 0));
+    if (last > 0) scene.interpolateRenderData(states[i], states[i + 1], t - i);
+    document.getElementById("label").textContent = smooth ? "deformation x " + (t * render_data.ngdgc.scale).toPrecision(3)
+                                                          : labels[t];
+  }};
+  let running = null;
+  const stop = () => {{ clearInterval(running); running = null; play.textContent = "Play"; }};
+  play.onclick = () => {{
+    if (running) return stop();
+    if (Number(time.value) >= last) time.value = 0;
+    play.textContent = "Pause";
+    running = setInterval(() => {{
+      time.value = Number(time.value) + (smooth ? 0.02 : 1);
+      show();
+      if (Number(time.value) >= last) stop();
+    }}, smooth ? 40 : 600);
+    show();
+  }};
+  time.oninput = () => {{ stop(); show(); }};
+  show();
+}}
+</script>
+"""
+
+
+class Scene:
+    """The deformed body, coloured by |u| [length], in NGSolve's viewer: the last line of a notebook cell shows it.
+
+    scale : the deformation is drawn at `scale` times the displacement, 1 is real; a slider runs from the undeformed body to it
+
+    The elements move with their own one-sided displacements, so the jumps of a DG solution show.  Nothing is loaded from a
+    network, neither in the notebook nor by the page that `Write` makes.
+    """
+
+    def __init__(self, solution, *, scale=1):
+        self.solution, self.scale = solution, scale
+
+    def __repr__(self):
+        return f"{type(self).__name__}({self.solution!r}, scale={self.scale:g})"
+
+    def _repr_html_(self):
+        """A frame that holds the whole page, for notebooks."""
+        return (f'<iframe srcdoc="{html.escape(self.Page())}" title="ngdgc: displacement" loading="lazy" '
+                f'style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>')
+
+    def Write(self, path):
+        """Write the page to a file; returns its Path."""
+        path = Path(path)
+        path.write_text(self.Page(), encoding="utf-8")
+        return path
+
+    def Page(self):
+        """The text of the page."""
+        # The viewer blends positions linearly: between the undeformed body and the deformed one in the same colours.
+        states = [_State(self.solution, scale, [self.solution]) for scale in (0, self.scale)]
+        return _Page(states, self.solution, self.scale, labels=None)
+
+
+class Animation(Scene):
+    """A list of solutions, for example of load steps, one after the other in NGSolve's viewer, as a `Scene`.
+
+    The solutions have the same order and dimension; colours and camera are the same for all.  A button plays them, a slider
+    goes to any of them, and at first the last one is shown.
+    """
+
+    def __init__(self, solutions, *, scale=1):
+        self.solutions = list(solutions)
+        if len(kinds := {(solution.disc.mesh.dim, _Degree(solution)) for solution in self.solutions}) != 1:
+            raise ProblemError(f"an animation shows solutions of one dimension and order; given are {len(self.solutions)} with "
+                               f"(dimension, order) {sorted(kinds) or 'none'}")
+        super().__init__(self.solutions[-1], scale=scale)
+
+    def __repr__(self):
+        return f"Animation({len(self.solutions)} solutions, scale={self.scale:g})"
+
+    def Page(self):
+        states = [_State(solution, self.scale, self.solutions) for solution in self.solutions]
+        labels = [f"step {number} of {len(states)}, max |u| = {state['funcmax']:.3g}, deformation x {self.scale:g}"
+                  for number, state in enumerate(states, start=1)]
+        return _Page(states, self.solution, self.scale, labels)
 
 
 def WriteHTML(solution, path, *, scale=1):
-    """Write one HTML file with the deformed body, coloured by |u| [length], that opens without a network.
+    """Write the page of a `Scene`; returns its Path."""
+    return Scene(solution, scale=scale).Write(path)
 
-    scale : the deformation is drawn at `scale` times the displacement, 1 is real; a slider in the page changes it
 
-    The elements move with their own one-sided displacements, so the jumps of a DG solution show.  Returns the Path.
-    """
-    from webgui_jupyter_widgets.html import GenerateHTML
+def _Degree(solution):
+    return max(solution.disc.order, solution.disc.mesh.GetCurveOrder())
 
-    disc = solution.disc
-    if disc.mesh.dim == 3:
+
+def _State(solution, scale, shown):
+    """What the viewer draws of a solution, with the camera for all that are shown."""
+    mesh = solution.disc.mesh
+    if mesh.dim == 3:
         # On the boundary NGSolve evaluates a discontinuous function to garbage unless it is asked for its volume trace.
         displacement, view = BoundaryFromVolumeCF(solution.gfu), {"draw_vol": False, "euler_angles": [-70, 0, -25]}
     else:
@@ -33,21 +141,37 @@ def WriteHTML(solution, path, *, scale=1):
     # The norm as a scalar: of a vector the viewer would take the range of its first component for the colours.
     # The outline of the body would be displaced by such boundary values; the lines of the mesh are right.
     settings = {"Objects": {"Edges": False}, "Light": LIGHT}
-    scene = Draw(Norm(displacement), disc.mesh, "|u|", deformation=displacement, scale=scale, settings=settings, show=False,
-                 order=max(disc.order, disc.mesh.GetCurveOrder()), **_Camera(solution, scale), **view)
-    caption = (f"Displacement |u| [length], deformation drawn x {scale:g} "
-               f"({disc.method.name}, order {disc.order}, {disc.mesh.ne} elements)")
-    head, end, tail = GenerateHTML(scene.GetData()).replace("NGSolve WebGUI", "ngdgc: displacement", 1).rpartition("</body>")
-    path = Path(path)
-    path.write_text(f'{head}<div style="{CAPTION_STYLE}">{caption}</div>{end}{tail}', encoding="utf-8")
-    return path
+    # NGSolve's own `scale` moves no vertex of a scalar in the plane.
+    return Draw(Norm(displacement), mesh, "|u|", deformation=scale * displacement, settings=settings, show=False,
+                order=_Degree(solution), colors=COLOURS, **_Camera(shown, scale), **view).GetData()
 
 
-def _Camera(solution, scale):
-    """Centre and radius of the view; NGSolve's own frame only the undeformed body."""
+def _Page(states, solution, scale, labels):
+    """NGSolve's page of the last state, with controls to go to the others, which have the same colours."""
+    from webgui_jupyter_widgets.html import GenerateHTML
+
+    disc = solution.disc
+    caption = f"Displacement |u| [length]: {disc.method.name}, order {disc.order}, {disc.mesh.ne} elements"
+    if not solution.converged:
+        caption += ", NOT CONVERGED"
+    lowest, highest = min(state["funcmin"] for state in states), max(state["funcmax"] for state in states)
+    lowest = 0 if lowest < NEGLIGIBLE * highest else lowest
+    states = [state | {"funcmin": lowest, "funcmax": highest, "autoscale": False} for state in states]
+    keep = {"states": states, "labels": labels, "smooth": labels is None, "scale": scale}
+    page = GenerateHTML(states[-1] | {"ngdgc": keep}).replace("NGSolve WebGUI", "ngdgc: displacement", 1)
+    head, end, tail = page.replace("</head>", STYLE + "</head>", 1).rpartition("</body>")
+    return head + CONTROLS.format(caption=html.escape(caption)) + end + tail
+
+
+def _Points(solution):
+    """Coordinates and displacement (n, d) at points all over the body."""
     points = VolumePoints(solution.disc.mesh, CAMERA_ORDER)
-    x = np.asarray(Coordinates(solution.disc.mesh.dim)(points))
-    x = np.concatenate([x, x + scale * np.asarray(solution.gfu(points))])
+    return np.asarray(Coordinates(solution.disc.mesh.dim)(points)), np.asarray(solution.gfu(points))
+
+
+def _Camera(shown, scale):
+    """Centre and radius of the view; NGSolve's own frame only the undeformed body."""
+    x = np.concatenate([points for x, u in map(_Points, shown) for points in (x, x + scale * u)])
     lower, upper = x.min(axis=0), x.max(axis=0)
     centre = np.zeros(3)
     centre[:x.shape[1]] = (lower + upper) / 2

@@ -48,8 +48,8 @@ def ToRst(lines):
     for block in _Blocks(lines):
         if block[0].startswith(">>>"):
             result += [".. code-block:: pycon", "", *(INDENT + line for line in block), ""]
-        elif all(line.startswith(INDENT) for line in block) and not result[-2:-1] == ["*"]:
-            result += ["::", "", *(INDENT + line for line in block), ""]
+        elif all(line.startswith(INDENT) for line in block):
+            result += ["::", "", *block, ""]
         else:
             result += _Paragraph(block)
     return result

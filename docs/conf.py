@@ -32,6 +32,7 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 300
 nb_execution_excludepatterns = ["notebooks/solutions/*"]
 nb_merge_streams = True
+nb_render_markdown_format = "myst"        # CommonMark has no tables
 # No require.js and no widgets from a content delivery network: without them a page would ask for one.
 nb_ipywidgets_js = {}
 

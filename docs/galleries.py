@@ -63,7 +63,8 @@ def Index(files):
         parts = Parts(ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))))
         lines += [f":::{{grid-item-card}} {Escape(parts['title'])}", f":img-top: {path.stem}-DeformedFigure.png",
                   f":link: {path.stem}", ":link-type: doc", "", Escape(parts.get("Question", "")), ":::", ""]
-    return "\n".join([*lines, "::::", "", "```{toctree}", ":hidden:", "", *(f"{path.stem.replace('_', ' ')} <{path.stem}>" for path in files), "```", ""])
+    contents = [f"{path.stem.replace('_', ' ')} <{path.stem}>" for path in files]
+    return "\n".join([*lines, "::::", "", "```{toctree}", ":hidden:", "", *contents, "```", ""])
 
 
 def WriteCase(path, folder):

@@ -43,6 +43,9 @@ MATHJAX = Path(importlib.util.find_spec("sphinx-mathjax-offline").origin).parent
 mathjax_path = "mathjax/tex-chtml.js"
 mathjax3_config = {"options": {"enableMenu": False}}
 
+# Quotation marks of formulas and code in docstrings stay as typed.
+smartquotes = False
+
 html_theme = "furo"
 html_title = f"ngdgc {release}"
 html_static_path = ["_static", str(MATHJAX)]

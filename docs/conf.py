@@ -13,7 +13,7 @@ os.environ["PYTHONPATH"] = os.pathsep.join([str(DOCS), *filter(None, [os.environ
 import ngdgc  # noqa: E402
 from apidoc import ExpandMarkers, ToRst  # noqa: E402
 from galleries import WriteGallery  # noqa: E402
-from offline import Finish  # noqa: E402
+from offline import CopyMathJax, Finish  # noqa: E402
 
 project = "ngdgc"
 author = "the ngdgc developers"
@@ -39,7 +39,7 @@ nb_ipywidgets_js = {}
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"
 
-MATHJAX = Path(importlib.util.find_spec("sphinx-mathjax-offline").origin).parent / "static"
+MATHJAX = Path(importlib.util.find_spec("sphinx-mathjax-offline").origin).parent / "static" / "mathjax"
 mathjax_path = "mathjax/tex-chtml.js"
 mathjax3_config = {"options": {"enableMenu": False}}
 
@@ -48,7 +48,7 @@ smartquotes = False
 
 html_theme = "furo"
 html_title = f"ngdgc {release}"
-html_static_path = ["_static", str(MATHJAX)]
+html_static_path = ["_static"]
 html_css_files = ["ngdgc.css"]
 html_copy_source = False
 html_show_sphinx = False
@@ -68,6 +68,7 @@ def Source(app, name, source):
 
 def setup(app):
     app.connect("builder-inited", lambda app: WriteGallery(DOCS / "gallery"))
+    app.connect("builder-inited", lambda app: CopyMathJax(MATHJAX, Path(app.outdir) / "_static" / "mathjax"))
     app.connect("source-read", Source)
     app.connect("autodoc-process-docstring", Docstring)
     app.connect("build-finished", lambda app, error: error or Finish(Path(app.outdir), DOCS / "gallery"))

@@ -3,6 +3,7 @@
 import html
 import json
 import re
+import shutil
 from hashlib import sha256
 
 VIEWER = 100_000        # characters: a script as long as this is the viewer, the data of a scene come in another
@@ -10,6 +11,13 @@ SLIDERS = "The sliders move in the notebook itself; this is what they start from
 SCENE = re.compile(r'srcdoc="([^"]*)"')
 STATE = re.compile(r'<script type="application/vnd.jupyter.widget-state\+json">(.*?)</script>', re.S)
 VIEW = re.compile(r'<script type="application/vnd.jupyter.widget-view\+json">(.*?)</script>', re.S)
+
+
+def CopyMathJax(source, target):
+    """Copy the part of MathJax that the pages use, which loads nothing from a network: one script and its fonts."""
+    target.mkdir(parents=True, exist_ok=True)
+    shutil.copy(source / "tex-chtml.js", target)
+    shutil.copytree(source / "output" / "chtml" / "fonts", target / "output" / "chtml" / "fonts", dirs_exist_ok=True)
 
 
 def Finish(outdir, gallery):

@@ -27,7 +27,7 @@ setup(
     install_requires=["ngsolve>=6.2.2600", "numpy", "scipy", "matplotlib", "threadpoolctl>=3", "webgui_jupyter_widgets",
                       "pyamg>=5", "psutil"],
     extras_require={"test": ["pytest", "ruff", *NOTEBOOK], "mkl": ["mkl"], "notebook": ["jupyterlab", *NOTEBOOK],
-                    "docs": ["sphinx>=8", "myst-nb>=1.4", "furo", "sphinx-design", "sphinx-copybutton", "sphinx-mathjax-offline",
-                             *NOTEBOOK]},
+                    "docs": ["sphinx>=8", "myst-nb>=1.4", "furo", "sphinx-design", "sphinx-copybutton",
+                             "sphinx-mathjax-offline", *NOTEBOOK]},
     entry_points={"console_scripts": ["ngdgc = ngdgc.cli:Main"]},
 )

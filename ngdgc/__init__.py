@@ -5,9 +5,10 @@ from ngsolve import Solve
 from .discretization import Discretization
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from .foundation import (ComplianceLaw, CoulombFriction, Foundation, FrictionLaw, NormalCompliance, PowerFriction,
-                         SlipWeakeningFriction, TrescaFriction)
+from .foundation import Foundation
 from .hypotheses import CheckLaws
+from .laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance,
+                   PowerFriction, SlipWeakeningFriction, TrescaFriction)
 from .lifting import Lifting
 from .methods import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInteriorPenalty, InteriorPenalty,
                       NonsymmetricInteriorPenalty)

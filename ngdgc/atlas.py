@@ -15,7 +15,8 @@ from .cases import example_4_1, example_4_2
 from .discretization import Discretization
 from .elasticity import HookeMaterial
 from .exceptions import NotConvergedError, ProblemError
-from .foundation import CoulombFriction, Foundation, NormalCompliance
+from .foundation import Foundation
+from .laws import CoulombFriction, NormalCompliance
 from .meshes import BoxMesh, RectangleMesh
 from .problem import ContactProblem
 from .solvers import NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver

@@ -12,8 +12,8 @@ from ngsolve import VOL, ElementId
 
 from .coefficients import ValuesAt
 from .exceptions import ProblemError
-from .foundation import LawAt
 from .hypotheses import CheckCompliance, CheckFriction, SlipFactor
+from .laws import LawAt
 from .protocols import Array
 from .quadrature import BoundaryQuadrature
 

@@ -16,8 +16,9 @@ from ngsolve import CF, Sym, exp, specialcf, x, y, z
 
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
-from .foundation import CoulombFriction, Foundation, FrictionLaw, NormalCompliance, TrescaFriction
+from .foundation import Foundation
 from .graph import SEPARATION, SLIP, STICK
+from .laws import CoulombFriction, FrictionLaw, NormalCompliance, TrescaFriction
 from .problem import ContactProblem
 
 WALLS = {2: "left|right", 3: "back|left|front|right"}      # all but bottom and top

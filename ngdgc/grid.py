@@ -11,7 +11,8 @@ from ngsolve import CF, x
 from .cases import example_4_1, example_4_2
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
-from .foundation import CoulombFriction, Foundation, NormalCompliance
+from .foundation import Foundation
+from .laws import CoulombFriction, NormalCompliance
 from .methods import InteriorPenalty
 from .problem import ContactProblem
 from .randomproblems import BodyMesh, Sample

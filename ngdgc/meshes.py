@@ -63,7 +63,7 @@ def UnitMesh(n: int, cells: str) -> Mesh:
     return RectangleMesh(n, cells=cells) if cells in CELLS else BoxMesh(n, cells=cells)
 
 
-def ShapeMesh(shape, maxh, *, order=1):
+def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
     """Mesh of a face (2D) or a solid (3D) of Netgen's OpenCascade geometry, with polynomial boundaries of the given order.
 
     maxh : largest size of an element [length]; edges and faces of the shape may ask for less by their own `maxh`

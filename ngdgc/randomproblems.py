@@ -12,7 +12,8 @@ from ngsolve import CF, Mesh, cos, x, y, z
 from .discretization import Discretization
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
-from .foundation import (CoulombFriction, Foundation, NormalCompliance, PowerFriction, SlipWeakeningFriction, TrescaFriction)
+from .foundation import Foundation
+from .laws import CoulombFriction, NormalCompliance, PowerFriction, SlipWeakeningFriction, TrescaFriction
 from .meshes import BOXCELLS, CELLS, UnitMesh
 from .methods import LDG, BassiEtAl, BrezziEtAl, Conforming, InteriorPenalty
 from .problem import ContactProblem

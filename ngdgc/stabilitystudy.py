@@ -16,7 +16,8 @@ from .discretization import Discretization
 from .elasticity import HookeMaterial
 from .errors import Rates
 from .exact import SmoothSlip
-from .foundation import Foundation, NormalCompliance
+from .foundation import Foundation
+from .laws import NormalCompliance
 from .lemmas import Boundedness, Coercivity, CriticalPenalty, LiftingBounds, LiftingConstants
 from .meshes import RectangleMesh
 from .methods import LDG, METHODS, BassiEtAl, InteriorPenalty

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .exceptions import NotConvergedError, ProblemError
-from .foundation import CoulombFriction, PowerFriction, SlipWeakeningFriction, TrescaFriction
+from .laws import CoulombFriction, PowerFriction, SlipWeakeningFriction, TrescaFriction
 from .protocols import Array
 from .randomproblems import Draw
 from .solvers import NestedNewtonSolver

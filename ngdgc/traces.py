@@ -19,9 +19,10 @@ from .coefficients import Scalar, ValuesAt
 from .elasticity import HookeMaterial
 from .exact import WALLS, BodyForce, CheckDimension, Exact
 from .exceptions import ProblemError
-from .foundation import CoulombFriction, Foundation, LawAt, NormalCompliance
+from .foundation import Foundation
 from .graph import SEPARATION, SLIP, STICK
 from .hypotheses import SlipFactor
+from .laws import CoulombFriction, LawAt, NormalCompliance
 from .meshes import RectangleMesh
 from .problem import ContactProblem
 from .protocols import Datum

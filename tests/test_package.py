@@ -17,8 +17,9 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols"], ["arguments", "coefficients", "storage", "meshes"],
-          ["hypotheses"], ["elasticity", "foundation"],
+LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols"],
+          ["arguments", "coefficients", "storage", "meshes"],
+          ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["quadrature"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],

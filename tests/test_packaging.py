@@ -142,7 +142,7 @@ def test_source_archive_has_what_its_tests_and_documentation_need(archives, tmp_
     tests = ["tests/test_laws.py", "tests/test_package.py", "-k", "laws or links or commands or (small and not test_code)"]
     done = Run(sys.executable, "-m", "pytest", "-q", "-n", "0", *tests, cwd=tmp_path / NAME)
     assert done.returncode == 0 and int(re.search(r"(\d+) passed", done.stdout)[1]) > 50, done.stdout
-    (tmp_path / NAME / "docs" / "method.md").unlink()
+    (tmp_path / NAME / "docs" / "theory.md").unlink()
     assert "1 failed" in Run(sys.executable, "-m", "pytest", "-q", "-n", "0", *tests, cwd=tmp_path / NAME).stdout
 
 

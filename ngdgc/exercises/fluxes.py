@@ -8,7 +8,8 @@ from ngsolve import CF, BilinearForm, ds, dx
 from ..discretization import Discretization
 from ..elasticity import HookeMaterial
 from ..facets import Csr
-from ..foundation import Foundation, NormalCompliance
+from ..foundation import Foundation
+from ..laws import NormalCompliance
 from ..meshes import RectangleMesh
 from ..methods import LDG, BrezziEtAl, InteriorPenalty, NonsymmetricInteriorPenalty
 from ..problem import ContactProblem

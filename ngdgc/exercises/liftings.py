@@ -8,7 +8,8 @@ from ngsolve import CF
 from ..discretization import Discretization
 from ..elasticity import HookeMaterial
 from ..facets import Csr
-from ..foundation import Foundation, NormalCompliance
+from ..foundation import Foundation
+from ..laws import NormalCompliance
 from ..meshes import RectangleMesh
 from ..methods import BassiEtAl
 from ..problem import ContactProblem

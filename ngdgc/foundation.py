@@ -29,6 +29,7 @@ class Foundation:
     Raises ProblemError if a derivative that a law returns is not that of its pressure, bound or slip factor, if one of these
     is negative, or if the pressure is not zero without penetration (2.13).
 
+    >>> from ngdgc import NormalCompliance, TrescaFriction
     >>> Foundation("bottom", NormalCompliance(450), friction=TrescaFriction(1), gap=0.05).gap
     0.05
     """

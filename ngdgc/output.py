@@ -26,11 +26,8 @@ class Progress:
     Ctrl-C raises `SolveInterrupted`, whose `solution` is the last iterate:
 
     >>> from ngdgc.cases import example_4_2
-    >>> progress = Progress()
-    >>> solution = example_4_2.Main(n=2, callback=progress)     # doctest: +ELLIPSIS
+    >>> solution = example_4_2.Main(n=2, callback=Progress())       # doctest: +ELLIPSIS
     iteration     1   change ...
-    >>> progress.Close()                                        # doctest: +ELLIPSIS
-    iteration ...
     """
 
     def __init__(self, stream=None):

@@ -1,7 +1,6 @@
 """The gallery: a page for every file of cases/, made by running it.  Sphinx calls `WriteGallery` before it reads the pages."""
 
 import ast
-import inspect
 import json
 import multiprocessing
 import re
@@ -70,7 +69,7 @@ def Index(files):
 def WriteCase(path, folder):
     """Solve a case with its own defaults; write its pictures, its scene and its page."""
     from ngdgc import plots
-    from ngdgc.cli import LoadCase
+    from ngdgc.casefiles import LoadCase
     from ngdgc.export import WriteHTML
 
     case = LoadCase(path)
@@ -99,9 +98,8 @@ def WriteCase(path, folder):
     for name in SECTIONS:
         if name in parts:
             page += [f"**{name}.** {Escape(parts[name])}", ""]
-    size = inspect.signature(case.Main).parameters["n"].default
     page += [*lines, "## Run it", "", "```sh",
-             f"ngdgc run cases/{path.name} --order {solution.disc.order} --n {size} --out results/", "```", "",
+             f"ngdgc run cases/{path.name} --out results/", "```", "",
              ":::{dropdown} Report", "```text", *solution.Report().splitlines(), "```", ":::", "",
              "```{literalinclude} ../../cases/" + path.name, ":language: python", ":caption: cases/" + path.name, "```", ""]
     (folder / f"{path.stem}.md").write_text("\n".join(page), encoding="utf-8")

@@ -1,7 +1,6 @@
 """The command `ngdgc`: run a case, or one of the studies."""
 
 import argparse
-import importlib.util
 import inspect
 import sys
 from pathlib import Path
@@ -9,6 +8,7 @@ from pathlib import Path
 from . import __version__
 from .arguments import Finite, Folder, NumberOrAuto, Positive
 from .benchcommands import AddBench
+from .casefiles import CaseFiles, Compared, LoadCase
 from .comparecommand import AddCompare
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .studies import AddStudies
@@ -63,7 +63,7 @@ def _Parser():
     listing.set_defaults(command=ListCases)
     AddStudies(commands)
     AddBench(commands)
-    AddCompare(commands, LoadCase)
+    AddCompare(commands)
     _AddStability(commands)
     return parser
 
@@ -87,8 +87,8 @@ def _AddRun(commands):
     run.add_argument("--form", default="edge", help="edge or lifting form of a discontinuous method (default edge)")
     run.add_argument("--penalty", default="auto", type=NumberOrAuto, help="auto, or a number: for ip and ldg as in the "
                      "paper's eta = penalty mu order^2, for bassi and brezzi the factor of the lifting term")
-    run.add_argument("--order", type=Positive, default=1, help="polynomial degree of the displacement (default 1)")
-    run.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
+    run.add_argument("--order", type=Positive, help="polynomial degree of the displacement (default: the case's own)")
+    run.add_argument("--n", type=Positive, help="cells per side (default: the case's own)")
     run.add_argument("--plane", help="stress or strain (default: the case's own)")
     run.add_argument("--cells", help="triangle, triangle-flipped or quad (default: the case's own)")
     run.add_argument("--solver", default="auto", help="auto (Newton on nested meshes), newton (this mesh alone) or uzawa (the "
@@ -99,31 +99,6 @@ def _AddRun(commands):
     run.add_argument("--scale", type=Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
     run.set_defaults(command=Run)
-
-
-def CaseFiles():
-    """The cases installed with the package, {name: path}."""
-    folder = importlib.util.find_spec("ngdgc.cases").submodule_search_locations[0]
-    return {path.stem: path for path in sorted(Path(folder).glob("*.py")) if not path.stem.startswith("_")}
-
-
-def LoadCase(name):
-    """The module of a case, from a file or by the name of an installed one; ProblemError if there is none."""
-    path = Path(name) if Path(name).is_file() else CaseFiles().get(name)
-    if path is None:
-        raise ProblemError(f"no case {name!r}: neither a file nor one of {', '.join(CaseFiles())}; give one of them "
-                           "or a file")
-    spec = importlib.util.spec_from_file_location(f"ngdgc_case_{path.stem}", path)
-    if spec is None:
-        raise ProblemError(f"{name} is not a Python file; give one whose name ends in .py")
-    module = importlib.util.module_from_spec(spec)
-    try:
-        spec.loader.exec_module(module)
-    except Exception as error:
-        raise ProblemError(f"{name} cannot be loaded: {type(error).__name__}: {error}; mend the file") from error
-    if not callable(getattr(module, "Main", None)):
-        raise ProblemError(f"{name} has no function Main(method=..., order=..., n=...); write it, or give another case")
-    return module
 
 
 def ListCases(options):
@@ -142,7 +117,7 @@ def Run(options):
     folder = Folder(options.out)
     progress = Progress(sys.stdout)
     name = Path(options.case).stem
-    print(f"{name}: {arguments['method']}, order {options.order}, n = {options.n}")
+    print(f"{name}: {arguments['method']}")
     code, message = 0, None
     try:
         inspect.signature(case.Main).bind(callback=progress, **arguments)
@@ -163,6 +138,8 @@ def Run(options):
     except OSError as error:
         raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
     print((folder / "report.txt").read_text(encoding="utf-8"))
+    if solution.converged and hasattr(case, "Compare"):
+        print(Compared(case.Compare(solution)))
     print(f"written to {folder}/: {', '.join(written)}")
     if message:
         print(f"ngdgc: {message}", file=sys.stderr)
@@ -192,9 +169,9 @@ def _CaseArguments(case, options):
         if getattr(options, name) != default and not row.discontinuous:
             raise ProblemError(f"--{name} does not apply to method {options.method!r}; leave it out")
     method = row(penalty=options.penalty, form=options.form) if row.discontinuous else row()
-    arguments = {"method": method, "order": options.order, "n": options.n, "solver": _Solver(options)}
+    arguments = {"method": method, "solver": _Solver(options)}
     known = inspect.signature(case.Main).parameters
-    for name in ("plane", "cells"):
+    for name in ("order", "n", "plane", "cells"):
         value = getattr(options, name)
         if value is not None:
             if name not in known:

@@ -3,27 +3,28 @@
 import numpy as np
 
 from .arguments import Folder, Positive
+from .casefiles import LoadCase
 from .exceptions import NotConvergedError, ProblemError
 from .studies import Show, Write
 
 TITLES = ("method", "unknowns", "iterations", "solves", "seconds", "max |u|", "max p_n", "int p_n", "energy")
 
 
-def AddCompare(commands, LoadCase):
-    """The parser of the command, added to those of the command line; `LoadCase(name)` is the module of a case."""
+def AddCompare(commands):
+    """The parser of the command, added to those of the command line."""
     compare = commands.add_parser("compare", help="solve a case by several methods; a figure and a table",
                                   description="Solve a case by several methods on the same mesh; write and print a table, and "
                                   "draw pressure, friction and deformed bodies side by side.")
     compare.add_argument("case", help="a file, or the name of a case that comes with the package")
     compare.add_argument("--method", nargs="+", default=["ip", "bassi", "brezzi", "ldg", "h1"],
                          help="ip, bassi, brezzi, ldg, nipg, iipg, h1 (default ip bassi brezzi ldg h1)")
-    compare.add_argument("--order", type=Positive, default=1, help="polynomial degree of the displacement (default 1)")
-    compare.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
+    compare.add_argument("--order", type=Positive, help="polynomial degree of the displacement (default: the case's own)")
+    compare.add_argument("--n", type=Positive, help="cells per side (default: the case's own)")
     compare.add_argument("--out", default="results", help="folder for comparison.png and comparison.txt (default results/)")
-    compare.set_defaults(command=lambda options: Compare(options, LoadCase(options.case)))
+    compare.set_defaults(command=Compare)
 
 
-def Compare(options, case):
+def Compare(options):
     """Solve, print and draw; the exit code is 1 if a method did not converge, whose last iterate is shown.
 
     What was computed is written also after Ctrl-C.
@@ -34,12 +35,13 @@ def Compare(options, case):
     for name in options.method:
         if name not in METHODS:
             raise ProblemError(f"no method {name!r}; choose some of {', '.join(METHODS)}")
-    folder, solutions = Folder(options.out), {}
+    case, folder, solutions = LoadCase(options.case), Folder(options.out), {}
+    given = {name: getattr(options, name) for name in ("order", "n") if getattr(options, name) is not None}
     try:
         for name in options.method:
             Show(name)
             try:
-                solutions[name] = case.Main(method=METHODS[name](), order=options.order, n=options.n)
+                solutions[name] = case.Main(method=METHODS[name](), **given)
             except NotConvergedError as stop:
                 solutions[name] = stop.solution
     finally:

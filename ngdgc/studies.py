@@ -28,7 +28,7 @@ def AddStudies(commands):
     convergence.set_defaults(command=Convergence)
 
     accuracy = commands.add_parser("accuracy", help="error against time on a smooth solution", description="Which method and "
-                                   "order comes to 1 %%, 0.1 %%, 0.001 %% the soonest: a table, and a figure for each kind of "
+                                   "order comes to 1 %, 0.1 %, 0.001 % the soonest: a table, and a figure for each kind of "
                                    "cells.")
     _AddMethod(accuracy)
     accuracy.add_argument("--order", type=Positive, nargs="+", default=[1, 2, 3, 4],

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
-from ngdgc import ContactSolution
+from ngdgc import Conforming, ContactSolution
 from ngdgc.cases import example_4_1
-from ngdgc.cli import CaseFiles, LoadCase, Main
+from ngdgc.casefiles import CaseFiles, LoadCase
+from ngdgc.cli import Main
 
 COMMAND = Path(sys.executable).with_name("ngdgc")
 CASE = Path(__file__).parents[1] / "cases" / "example_4_1.py"
@@ -51,6 +52,17 @@ def test_every_option_reaches_the_solution(tmp_path, capsys):
     strain, stress = (case.Main(n=3, order=2, plane=plane, cells="quad", method=case.InteriorPenalty()).energy
                       for plane in ("strain", "stress"))
     assert abs(numbers["elastic_energy"] - strain) < abs(numbers["elastic_energy"] - stress)
+
+
+def test_a_case_has_its_own_order_and_says_what_it_should_give(tmp_path, capsys):
+    """Order 2 without --order, and the table of its Compare; an example of the paper has order 1, and nothing of the kind."""
+    assert Main(["run", "greco_plate", "--method", "h1", "--n", "4", "--out", str(tmp_path)]) == 0
+    assert json.loads((tmp_path / "report.json").read_text())["order"] == 2
+    table, case = capsys.readouterr().out.split("expected")[1], LoadCase("greco_plate")
+    for _, computed, expected in case.Compare(case.Main(n=4, method=Conforming())):
+        assert f"{computed:.6g}" in table and f"{expected:.6g}" in table
+    assert Main(["run", "example_4_1", "--method", "h1", "--n", "2", "--out", str(tmp_path)]) == 0
+    assert json.loads((tmp_path / "report.json").read_text())["order"] == 1 and "expected" not in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("arguments, culprit", [

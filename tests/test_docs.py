@@ -139,7 +139,7 @@ def test_tables_of_methods_have_them_all():
 
 
 def test_every_case_has_a_gallery_page(tmp_path):
-    from ngdgc.cli import CaseFiles
+    from ngdgc.casefiles import CaseFiles
 
     galleries = TOOLS["galleries"]
     files = galleries.CaseFiles()

@@ -11,7 +11,7 @@ from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactSolution, Disc
                    NestedNewtonSolver, SemismoothNewtonSolver)
 from ngdgc.cases import (curved_body, greco_plate, hertz_line, hertz_sphere, load_steps, machine_part, pressed_block,
                          rubber_pad, rubber_pad_3d, slip_weakening, step_part, two_materials, wavy_foundation)
-from ngdgc.cli import CaseFiles, LoadCase
+from ngdgc.casefiles import CaseFiles, LoadCase
 
 SOLID = {"hertz_sphere", "machine_part", "rubber_pad_3d", "step_part"}
 TWO = [InteriorPenalty(), Conforming()]

@@ -108,7 +108,7 @@ class Animation(Scene):
         self.solutions = list(solutions)
         if len(kinds := {(solution.disc.mesh.dim, _Degree(solution)) for solution in self.solutions}) != 1:
             raise ProblemError(f"an animation shows solutions of one dimension and order; given are {len(self.solutions)} with "
-                               f"(dimension, order) {sorted(kinds) or 'none'}")
+                               f"(dimension, order) {sorted(kinds) or 'none'}; give load steps of one Discretization")
         super().__init__(self.solutions[-1], scale=scale)
 
     def __repr__(self):

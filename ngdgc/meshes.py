@@ -80,9 +80,9 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
     if not hasattr(shape, "faces") or len(shape.faces) == 0:
         raise ProblemError(f"shape is {shape!r}; give a face or a solid of netgen.occ")
     if isinstance(maxh, bool) or not isinstance(maxh, Real) or not 0 < maxh < float("inf"):
-        raise ProblemError(f"maxh is {maxh!r}; the largest size of an element must be a positive number")
+        raise ProblemError(f"maxh is {maxh!r}; give the largest size of an element, a positive number")
     if isinstance(order, bool) or not isinstance(order, Integral) or order < 1:
-        raise ProblemError(f"order is {order!r}; the order of the geometry must be a positive integer")
+        raise ProblemError(f"order is {order!r}; give the order of the geometry, a positive integer")
     mesh = Mesh(OCCGeometry(shape, dim=3 if len(shape.solids) else 2).GenerateMesh(
         maxh=maxh, curvaturesafety=CURVATURE, grading=GRADING))
     return mesh.Curve(int(order)) if order > 1 else mesh

@@ -13,6 +13,7 @@ import psutil
 import scipy.sparse as sp
 from conftest import Example
 from netgen.geom2d import SplineGeometry
+from netgen.occ import Circle
 from ngsolve import CF, H1, BilinearForm, LinearForm, Mesh, VectorH1, VectorL2, dx, sqrt, x, y
 
 from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, CheckLaws, CheckUniqueness, ComplianceLaw, Conforming, ContactProblem,
@@ -22,12 +23,14 @@ from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, CheckLaws, CheckUniquene
                    convergence, inverses, locking)
 from ngdgc.consistency import ConsistencyResidual
 from ngdgc.exact import AffinePatch, SmoothSlip, WinklerColumn
+from ngdgc.export import Animation
 from ngdgc.facets import Csr, Native
 from ngdgc.graph import ContactGraph
 from ngdgc.iterative import IterativeInverse
 from ngdgc.lemmas import CriticalPenalty
-from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.meshes import BoxMesh, RectangleMesh, ShapeMesh
 from ngdgc.pattern import BlockMatrix
+from ngdgc.plots import ComparisonFigure
 from ngdgc.stability import ExtremeEigenvalue
 from ngdgc.sweep import Violation
 from ngdgc.traces import FromTraces, Positive, RigidLimit, ThreeZones
@@ -369,10 +372,16 @@ MISTAKES = [
     (lambda _: Lifting(Disc()).Matrix(99), "facet is 99 | the mesh has the facets 0 ... | give the number"),
     (lambda _: Lifting(Disc()).Global(3), "gfu is 3 | on the space of the discretisation | give a GridFunction"),
     (lambda _: Solve(Disc(Conforming())).flux, "method H1 has no numerical flux | a discontinuous one | take"),
+    # Pictures.
+    (lambda _: ComparisonFigure([]), "solutions is [] | a dictionary of ContactSolutions by their labels | give"),
+    (lambda _: ComparisonFigure({"plane": Solve(Disc()), "solid": Solve(Block())}),
+     "solution 'solid' has | the first one | compare solutions of one problem"),
+    (lambda _: Animation([]), "given are 0 | of one dimension and order | give load steps of one Discretization"),
     # Inverses.
     (lambda _: Disc(inverse="lu").inversekind, "inverse is 'lu' | auto, sparsecholesky | choose"),
     (lambda _: Nonsymmetric().inversekind, "inverse='sparsecholesky' | is for symmetric matrices | take inverse='auto'"),
-    (lambda _: WithoutMkl(), "inverse='pardisospd' | needs the library MKL | install it, pip install ngdgc[mkl]"),
+    (lambda _: WithoutMkl(),
+     "inverse='pardisospd' | needs the library MKL | install them, pip install --upgrade ngdgc[mkl] ngsolve"),
     (lambda _: TooLarge(), "the factors of 48 unknowns | GB are free | take inverse='iterative'"),
     (lambda _: IterativeInverse(Disc(Conforming()), None),
      "H1 is none | a symmetric discontinuous method | take inverse='auto'"),
@@ -443,6 +452,9 @@ MISTAKES = [
     (lambda _: atlas.Point(problem="ball"), "problem is 'ball' | one of | choose"),
     (lambda _: atlas.Point(problem="block", stiffness=None), "stiffness is None | no foundation of its own | give k_n/E"),
     (lambda _: bench.Alone(print, 0), "repeat is 0 | at least one | give the number of runs"),
+    (lambda _: ShapeMesh(None, 1), "shape is None | a face or a solid | give"),
+    (lambda _: ShapeMesh(Circle((0, 0), 1).Face(), 0), "maxh is 0 | a positive number | give"),
+    (lambda _: ShapeMesh(Circle((0, 0), 1).Face(), 1, order=0), "order is 0 | a positive integer | give"),
     (lambda _: RectangleMesh(0), "n is 0 | a positive integer | must be"),
     (lambda _: RectangleMesh(2, cells="hexagon"), "cells is 'hexagon' | one of triangle | choose"),
     # Saved solutions.

@@ -78,6 +78,7 @@ COMMANDS = [
     (Typed(f"{RUN} --solver best"), "no solver 'best' | one of auto, newton, uzawa | choose"),
     (Typed(f"{RUN} --rho 1"), "--rho | does not apply to solver 'auto' | leave it out"),
     (Typed("run greco_plate --n 2 --plane strain --out OUT"), "--plane | does not apply to this case | leave it out"),
+    (Typed("compare example_4_1 --n 2 --method ipp --out OUT"), "no method 'ipp' | some of ip, bassi | choose"),
     (Typed("convergence --method ipp"), "no method 'ipp' | all or one of ip, bassi | choose"),
     (Typed("convergence --form both"), "form is 'both' | edge or lifting | choose"),
     (Typed("convergence --method h1 --form edge"), "form | does not apply to method 'h1' | leave it out"),

@@ -73,10 +73,11 @@ def test_steps_of_newton_do_not_grow_with_the_stiffness():
 
 def test_every_run_pays_for_itself():
     """Applications and factorisations of a run do not depend on the runs before; those of coarser meshes are listed apart."""
-    once, again = (Run(Point(n=16), "nested Newton", Solvers()["nested Newton"], []) for _ in range(2))
+    point = Point(n=32, stiffness=100.0)
+    once, again = (Run(point, "nested Newton", Solvers()["nested Newton"], []) for _ in range(2))
     assert (once.iterations, once.solves, once.coarser) == (again.iterations, again.solves, again.coarser)
     assert once.coarser > 0 and 0 < once.factorisation < once.seconds
-    alone = Run(Point(n=16), "Newton", Solvers()["Newton"], [])
+    alone = Run(point, "Newton", Solvers()["Newton"], [])
     assert alone.coarser == 0 and alone.iterations > once.iterations and alone.difference is None
 
 

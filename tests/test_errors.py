@@ -50,9 +50,12 @@ def Lines(error):
 
 
 def Sites(source):
-    """(first line, last line, words) of the raise statements of a module that say something, its words to find them by."""
+    """(first line, last line, words) of the raise statements of a module that tell a user something, its words to find them by.
+
+    A LookupError is what `formula` says to itself.
+    """
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Raise) and node.exc is not None:
+        if isinstance(node, ast.Raise) and node.exc is not None and "LookupError" not in ast.unparse(node):
             yield node.lineno, node.end_lineno, ast.unparse(node)[:90]
 
 

@@ -144,12 +144,12 @@ def test_roller_creeps_in_from_both_ends(two):
         (_, computed, expected), = load_steps.Compare(solution)
         parts.append(computed)
         assert computed == pytest.approx(expected, abs=0.08)        # points 0.025 mm apart on a contact of 0.9 mm
-    assert np.all(np.diff(parts) < 0) and parts[0] > 0.95
+    assert np.all(np.diff(parts) < 0) and parts[0] > 0.9                # all but the points at both ends
     (_, computed, expected), = load_steps.Compare(load_steps.Main(method=two, coefficient=0.25))
     assert abs(computed - expected) > 0.15
 
 
-@pytest.mark.parametrize("case, order", [(machine_part, 1), (step_part, 2)], ids=["machine", "step"])
+@pytest.mark.parametrize("case, order", [(machine_part, 2), (step_part, 2)], ids=["machine", "step"])
 def test_parts_from_cad_balance(case, order):
     """Forces to the error of the curved area on which they act; weaker bolts or a stiffer pad give another answer."""
     solution = case.Main(method=Conforming(), order=order, n=4)

@@ -90,7 +90,8 @@ def test_three_zones_on_an_aligned_mesh(every):
     solution = Solve(exact.problem, every, RectangleMesh(4), order=4)
     assert RelativeError(solution, exact.displacement) < 1e-9 and SameZones(solution.zones, solution.points, exact)
     half = Solve(Halved(exact.problem), every, RectangleMesh(4), order=4)
-    assert half.ZoneLengths()["stick"] < 0.13 < 0.24 < solution.ZoneLengths()["stick"]
+    # 1/4 but for one point at the end of the zone, where both pieces of the law meet; its weight is at most 1/64.
+    assert half.ZoneLengths()["stick"] < 0.13 < 0.23 < solution.ZoneLengths()["stick"]
 
 
 def Ends(solution):

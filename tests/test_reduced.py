@@ -66,7 +66,7 @@ def test_the_contact_problem_is_solved_at_once_where_all_products_are_known(ever
         unit = unit.reshape(run.start.q.shape)
         run.recycled.Remember(unit, run.compliance.Response(unit))
     reduced = ReducedCompliance(run.recycled, run.blocks)
-    q = reduced.Minimise(run.graph, run._Equation, run.weights, state, state.point.q)
+    q = reduced.Minimise(run.graph, run._Equation, run._Merit, state, state.point.q)
     merit = run._Evaluate(run.graph.At(q)).merit / state.merit
     assert merit < 1e-12 if everything else merit > 1e-4
 

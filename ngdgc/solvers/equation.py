@@ -12,10 +12,11 @@ class PointwiseEquation:
     points where D misses the slope of the law.
 
     point : `graph.GraphPoint`;  scale (n,) of the graph, stiffness D and blocks B (n, d, d);  P (n, d, d)
+    least : smaller eigenvalues of dt/dq, which are between 0 and 1, are replaced by this one; None: none
     """
 
-    def __init__(self, point, scale, stiffness, blocks):
-        slope = point.derivative
+    def __init__(self, point, scale, stiffness, blocks, *, least=None):
+        slope = point.derivative if least is None else _Raised(point.derivative, least)
         relief = (np.eye(slope.shape[1]) - slope) / scale[:, None, None]    # dU/dq
         shifted = slope - stiffness @ relief                                # ds/dq
         self.blocks = blocks
@@ -29,3 +30,9 @@ class PointwiseEquation:
     def Step(self, F, rest):
         """dq (n, d) of rest = (S_D - B) s."""
         return -Apply(self.inverse, rest + F)
+
+
+def _Raised(slope, least):
+    """Matrices (n, d, d) whose symmetric parts have no eigenvalue below `least`."""
+    values, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
+    return slope + (vectors * np.maximum(least - values, 0)[:, None, :]) @ np.swapaxes(vectors, 1, 2)

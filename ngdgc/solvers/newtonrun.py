@@ -14,6 +14,7 @@ from .reduced import ReducedCompliance
 from .stiffness import BodyStiffness, LawStiffness, Resultant
 
 FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
+HOLD = 0.01         # slope dt/dq that every point has at first, where nothing but the foundation holds the body
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
 FORCING = 3e-3      # relative residual of the linear equations
 LOOSE = 1e-2        # the same on the whole body, in the norm of `fullspace`
@@ -38,7 +39,7 @@ WORK = 500          # applications of an inverse for the load continuation
 
 @dataclass(frozen=True)
 class State:
-    """A point of the graph with F there (n, d), its merit |F|^2 in L2(Gamma_C), and the iterate in equilibrium with it."""
+    """A point of the graph with F there (n, d), its merit (`_Merit`), and the iterate in equilibrium with it."""
 
     point: object
     F: np.ndarray
@@ -63,6 +64,7 @@ class NewtonRun:
         self.given = start is not None
         self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
         self.steps, self.zones, self.reached = [], [], 0.0
+        self.least, self.largest = None, 0.0
         self.recycled, self.near, self.base = Recycled(None, self.contact.weights), None, None
         self._Factorise(self.start, predicted=start is not None)
 
@@ -151,12 +153,21 @@ class NewtonRun:
     def _State(self, point):
         F = point.displacement - self.near.displacement
         self.last = Iterate(self.near.vector, self.near.traction, self.near.displacement)
-        return State(point, F, float(np.sum(self.weights * F ** 2)), self.last)
+        return State(point, F, self._Merit(F), self.last)
+
+    def _Merit(self, F):
+        """|F|^2 in L2(Gamma_C), with |D F/gamma|^2 where D holds the body: in F a large D hides what is out of balance."""
+        balance = 0 if self.held else Apply(self.stiffness, F) / self.scale[:, None]
+        return float(np.sum(self.weights * (F ** 2 + balance ** 2)))
 
     def _Step(self, state, load=1.0):
         """One Newton step, shortened until the merit falls; the best state found."""
         if state.merit == 0:
             return state
+        if not self.held:
+            # Where all points slip, or none touches, nothing would hold the body: its step would be a flight.
+            self.largest = max(self.largest, state.merit)
+            self.least = HOLD * np.sqrt(state.merit / self.largest)
         before, iterative = self.disc.solves, self.compliance.iterative
         step, guess = self._Direction(state, LOOSE if iterative else FORCING), 0.0
         trial = self.graph.At(state.point.q + step)
@@ -193,7 +204,7 @@ class NewtonRun:
         """
         best = None
         for _ in range(REDUCED):
-            q = ReducedCompliance(self.recycled, self.blocks).Minimise(self.graph, self._Equation, self.weights, state, q)
+            q = ReducedCompliance(self.recycled, self.blocks).Minimise(self.graph, self._Equation, self._Merit, state, q)
             trial = self._Evaluate(self.graph.At(q), load)
             if best is None or trial.merit < best.merit:
                 best = trial
@@ -214,7 +225,7 @@ class NewtonRun:
         return equation.Step(state.F, image - Apply(self.blocks, s))
 
     def _Equation(self, point):
-        return PointwiseEquation(point, self.scale, self.stiffness, self.blocks)
+        return PointwiseEquation(point, self.scale, self.stiffness, self.blocks, least=self.least)
 
     def _Stalled(self):
         recent = [ratio for _, _, ratio in self.steps[-PATIENCE:]]

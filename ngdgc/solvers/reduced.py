@@ -49,11 +49,11 @@ class ReducedCompliance:
         small = np.eye(self.left.shape[1]) + self.right.T @ weighted
         return (self.left @ np.linalg.lstsq(small, self.right.T @ b.ravel(), rcond=None)[0]).reshape(b.shape)
 
-    def Minimise(self, graph, Equation, weights, state, q):
-        """q (n, d) of a point of the graph where |F| with S_V instead of S_D is least or small, from q on.
+    def Minimise(self, graph, Equation, Merit, state, q):
+        """q (n, d) of a point of the graph where the merit of F with S_V instead of S_D is least or small, from q on.
 
-        Equation : GraphPoint -> `equation.PointwiseEquation`;  weights (n, 1);  state : a `newtonrun.State`, the changes from
-        which are subject to S_V; its merit is the scale of the others
+        Equation : GraphPoint -> `equation.PointwiseEquation`;  Merit : F (n, d) -> number;  state : a `newtonrun.State`, the
+        changes from which are subject to S_V; its merit is the scale of the others
         """
         u, t = state.iterate.displacement, state.iterate.traction
 
@@ -61,7 +61,7 @@ class ReducedCompliance:
             point = graph.At(q)
             change = point.displacement - u
             F = change + self.Response(point.traction - t - self.restoring(change))
-            return point, F, np.sum(weights * F ** 2)
+            return point, F, Merit(F)
 
         point, F, merit = Evaluate(q)
         for _ in range(STEPS):

@@ -39,9 +39,9 @@ def test_small_holes_do_not_decide_the_size_of_the_mesh():
 
 @pytest.mark.parametrize("shape, arguments, words", [
     ("disc", {"maxh": 1}, "shape is 'disc'; give a face or a solid"),
-    (Circle((0, 0), 1).Face(), {"maxh": 0}, "maxh is 0; the largest size of an element must be a positive number"),
+    (Circle((0, 0), 1).Face(), {"maxh": 0}, "maxh is 0; give the largest size of an element, a positive number"),
     (Circle((0, 0), 1).Face(), {"maxh": float("nan")}, "maxh is nan"),
-    (Cylinder(Pnt(0, 0, 0), Z, r=1, h=1), {"maxh": 1, "order": 0}, "order is 0; the order of the geometry must be a positive"),
+    (Cylinder(Pnt(0, 0, 0), Z, r=1, h=1), {"maxh": 1, "order": 0}, "order is 0; give the order of the geometry, a positive"),
     (Cylinder(Pnt(0, 0, 0), Z, r=1, h=1), {"maxh": 1, "order": 1.5}, "order is 1.5")])
 def test_mistakes_are_named(shape, arguments, words):
     with pytest.raises(ProblemError, match=words):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 from pathlib import Path
 from types import ModuleType
@@ -11,7 +12,7 @@ from .exceptions import ProblemError
 
 def CaseFiles() -> dict[str, Path]:
     """The cases installed with the package, {name: path}."""
-    folder = importlib.util.find_spec("ngdgc.cases").submodule_search_locations[0]
+    folder = importlib.import_module("ngdgc.cases").__path__[0]
     return {path.stem: path for path in sorted(Path(folder).glob("*.py")) if not path.stem.startswith("_")}
 
 
@@ -22,7 +23,7 @@ def LoadCase(name: str) -> ModuleType:
         raise ProblemError(f"no case {name!r}: neither a file nor one of {', '.join(CaseFiles())}; give one of them "
                            "or a file")
     spec = importlib.util.spec_from_file_location(f"ngdgc_case_{path.stem}", path)
-    if spec is None:
+    if spec is None or spec.loader is None:
         raise ProblemError(f"{name} is not a Python file; give one whose name ends in .py")
     module = importlib.util.module_from_spec(spec)
     try:

@@ -83,7 +83,8 @@ def _AddRun(commands):
     run = commands.add_parser("run", help="solve a case; write report, figures, HTML page and VTK",
                               description="Solve a case and write report, figures, an HTML page, a VTK file and the solution.")
     run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
-    run.add_argument("--method", default="ip", help="ip (interior penalty), bassi, brezzi, ldg or h1 (conforming); default ip")
+    run.add_argument("--method", default="ip", help="ip (interior penalty), bassi, brezzi, ldg, nipg, iipg "
+                     "(unsymmetric interior penalty) or h1 (conforming); default ip")
     run.add_argument("--form", default="edge", help="edge or lifting form of a discontinuous method (default edge)")
     run.add_argument("--penalty", default="auto", type=NumberOrAuto, help="auto, or a number: for ip and ldg as in the "
                      "paper's eta = penalty mu order^2, for bassi and brezzi the factor of the lifting term")

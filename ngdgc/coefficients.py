@@ -34,7 +34,7 @@ def Scalar(value, name):
 def Vector(value, name):
     """A CoefficientFunction with 2 or 3 components; a tuple of numbers or CoefficientFunctions will do."""
     if isinstance(value, (tuple, list)):
-        value = CF(tuple(Scalar(component, name) for component in value))
+        value = CF(tuple(Scalar(component, f"component {number} of {name}") for number, component in enumerate(value, start=1)))
     if not isinstance(value, CoefficientFunction) or value.dim not in (2, 3):
         shape = f"{value.dim} component(s)" if isinstance(value, CoefficientFunction) else repr(value)
         raise ProblemError(f"{name} is {shape}; give a vector with one component per dimension, "

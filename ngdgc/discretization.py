@@ -70,7 +70,7 @@ class Discretization:
         scalar = method.ScalarSpace(mesh, self.order)
         self.contact = ContactBoundary(problem, self.facets, self.space, scalar, ContactRules(method, mesh.dim, self.order))
         self._supports = Supports(problem, self.facets, self.contact)
-        self._inverse = inverse
+        self._inverse, self._curved = inverse, mesh.GetCurveOrder()
         self.solves, self.factorisation, self.addedmatrices, self.addedloads = 0, 0.0, list[Any](), list[Any]()
 
     def __repr__(self):
@@ -80,8 +80,8 @@ class Discretization:
     @cached_property
     def form(self) -> Any:
         """B_h of the method, before assembly."""
-        if self.mesh.ne != self.facets.incidence.shape[1]:
-            raise ProblemError("the mesh was refined after the Discretization was made; make a new one")
+        if self.mesh.ne != self.facets.incidence.shape[1] or self.mesh.GetCurveOrder() != self._curved:
+            raise ProblemError("the mesh was refined or curved after the Discretization was made; make a new one")
         return self.method.Form(self.problem, self.facets, self.space, self.order, self.assembly)
 
     @cached_property

@@ -11,6 +11,7 @@ from ngsolve.webgui import Draw
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
 from .facets import Coordinates, VolumePoints
+from .solution import CheckSolution
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
 COLOURS = colormaps["viridis"](np.linspace(0, 1, 12))[:, :3].tolist()    # NGSolve's own rainbow is not colour-blind safe
@@ -74,6 +75,7 @@ class Scene:
     """
 
     def __init__(self, solution, *, scale=1):
+        CheckSolution(solution)
         self.solution, self.scale = solution, scale
 
     def __repr__(self):
@@ -106,6 +108,8 @@ class Animation(Scene):
 
     def __init__(self, solutions, *, scale=1):
         self.solutions = list(solutions)
+        for number, solution in enumerate(self.solutions, start=1):
+            CheckSolution(solution, f"solution {number}")
         if len(kinds := {(solution.disc.mesh.dim, _Degree(solution)) for solution in self.solutions}) != 1:
             raise ProblemError(f"an animation shows solutions of one dimension and order; given are {len(self.solutions)} with "
                                f"(dimension, order) {sorted(kinds) or 'none'}; give load steps of one Discretization")
@@ -186,6 +190,7 @@ def WriteVTK(solution, path):
     state.  Elements are bisected order - 1 times, as VTK draws linearly.  `path` with or without its suffix; returns the Path
     of the file.
     """
+    CheckSolution(solution)
     disc = solution.disc
     path = Path(path)
     if path.suffix != ".vtu":

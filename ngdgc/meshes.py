@@ -5,6 +5,7 @@ from __future__ import annotations
 from numbers import Integral, Real
 from typing import Any
 
+import numpy as np
 from netgen.occ import OCCGeometry
 from ngsolve import Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
@@ -25,12 +26,13 @@ def RectangleMesh(n: int, *, lower: tuple[float, float] = (0, 0), upper: tuple[f
     cells : "quad"; "triangle", diagonals from the lower left to the upper right corner of each square; "triangle-flipped", the
         other diagonals
 
-    Raises ProblemError for n < 1 or unknown cells.
+    Raises ProblemError for n < 1, unknown cells, or corners that span no rectangle.
 
     >>> RectangleMesh(2, cells="triangle").ne
     8
     """
     _Check(n, cells, CELLS)
+    _CheckCorners(lower, upper, 2)
     (x0, y0), (x1, y1) = lower, upper
     return MakeStructured2DMesh(quads=cells == "quad", nx=int(n), ny=int(n), flip_triangles=cells == "triangle-flipped",
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))
@@ -43,12 +45,13 @@ def BoxMesh(n: int, *, lower: tuple[float, float, float] = (0, 0, 0), upper: tup
 
     cells : "tet", six in each block; "hex"; "prism", two in each block with their axis along z
 
-    Raises ProblemError for n < 1 or unknown cells.
+    Raises ProblemError for n < 1, unknown cells, or corners that span no box.
 
     >>> BoxMesh(2, cells="tet").ne
     48
     """
     _Check(n, cells, BOXCELLS)
+    _CheckCorners(lower, upper, 3)
     return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=int(n), ny=int(n), nz=int(n),
                                 mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(lower, upper, point)))
 
@@ -93,3 +96,14 @@ def _Check(n, cells, known):
         raise ProblemError(f"n is {n!r}; the number of cells per side must be a positive integer")
     if cells not in known:
         raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(known)}")
+
+
+def _CheckCorners(lower, upper, dim):
+    # NGSolve takes any corners; with upper below lower the elements are inside out, and so are the normals.
+    try:
+        corners = np.array([lower, upper], dtype=float)
+    except (TypeError, ValueError):
+        corners = np.empty(0)
+    if corners.shape != (2, dim) or not np.all(np.isfinite(corners)) or np.any(corners[0] >= corners[1]):
+        raise ProblemError(f"lower is {lower!r} and upper is {upper!r}; give two corners of {dim} coordinates each, all of "
+                           "them larger in upper")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 from .coefficients import RegionName, Scalar, Vector
 from .elasticity import AnisotropicMaterial, HookeMaterial
@@ -84,6 +84,11 @@ class ContactProblem:
     def dim(self) -> int | None:
         """Space dimension d of the data, or None if they do not tell."""
         return next((dim for _, dim in self._Dimensions()), None)
+
+    def Solve(self, *_: object, **__: object) -> NoReturn:
+        """ProblemError that says what is missing: NGSolve's `Solve(problem)` comes here."""
+        raise ProblemError("a ContactProblem has neither mesh nor method, a Discretization has both; "
+                           "give Solve(Discretization(problem, method, mesh, order=1))")
 
     def Regions(self):
         """(kind, region) of every boundary region that is named, in the order of the arguments."""

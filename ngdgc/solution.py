@@ -250,3 +250,9 @@ class ContactSolution:
         contact = self.disc.contact
         return {"points": self.points, "gaps": contact.gap, "loads": self.disc.load, "energies": np.array([self.energy]),
                 "pressures": contact.Pressure(self.penetration), "bounds": self.bound}
+
+
+def CheckSolution(solution, name="solution"):
+    """Raise ProblemError unless it is a ContactSolution."""
+    if not isinstance(solution, ContactSolution):
+        raise ProblemError(f"{name} is {solution!r}; give a ContactSolution, which Solve(disc) returns")

@@ -30,7 +30,7 @@ from ngdgc.iterative import IterativeInverse
 from ngdgc.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh, ShapeMesh
 from ngdgc.pattern import BlockMatrix
-from ngdgc.plots import ComparisonFigure
+from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure
 from ngdgc.stability import ExtremeEigenvalue
 from ngdgc.sweep import Violation
 from ngdgc.traces import FromTraces, Positive, RigidLimit, ThreeZones
@@ -138,6 +138,12 @@ def Inside():
 def Refined():
     disc = Disc()
     disc.mesh.Refine()
+    return disc.form
+
+
+def Curved():
+    disc = Disc()
+    disc.mesh.Curve(2)
     return disc.form
 
 
@@ -254,6 +260,8 @@ MISTAKES = [
     (lambda _: TrescaFriction(CF(1j)), "bound is complex | a real CoefficientFunction | give"),
     (lambda _: On(gap=CF((0, 0))), "gap has 2 components | a scalar | give"),
     (lambda _: Example(dirichlet={"right": 0}), "dirichlet['right'] is 0 | one component per dimension | give a vector"),
+    (lambda _: Example(dirichlet={"right": (None, 0)}),
+     "component 1 of dirichlet['right'] is None | a number or a scalar CoefficientFunction | give"),
     (lambda _: Example(bodyforce=CF((1j, 0))), "bodyforce is complex | a real CoefficientFunction | give"),
     (lambda _: Example(traction={"[": CF((0, 0))}),
      "traction region is '[' | a regular expression such as 'left|right' | give"),
@@ -326,11 +334,14 @@ MISTAKES = [
     (lambda _: Disc(**FLOATING),
      "the body floats: nothing resists translation along x | neither dirichlet nor roller | hold it with"),
     (lambda _: Disc(bodyforce=CF((sqrt(y - 0.03), 0)), order=5).loads, "bodyforce is not finite | quadrature point | look for"),
+    (lambda _: Solve(Example()),
+     "a ContactProblem has neither mesh nor method | a Discretization has both | give Solve(Discretization(problem"),
     # Discretisations.
     (lambda _: Discretization("4.1", LDG(), RectangleMesh(1)), "problem is '4.1' | a ContactProblem | give"),
     (lambda _: Disc(InteriorPenalty), "method is <class | an object such as InteriorPenalty() or Conforming() | give"),
     (lambda _: Disc(order=0), "order is 0 | an integer of at least 1 | must be"),
     (lambda _: Disc(assembly="fast"), "assembly is 'fast' | 'facet' or 'skeleton' | choose"),
+    (lambda _: Curved(), "the mesh was refined or curved | after the Discretization was made | make a new one"),
     (lambda _: Refined(), "the mesh was refined | after the Discretization was made | make a new one"),
     (lambda _: Disc().Add(3), "form is 3 | BilinearForm or LinearForm on disc.space | give"),
     (lambda _: Elsewhere(), "form lives on another space | disc.space | make it on"),
@@ -376,6 +387,12 @@ MISTAKES = [
     (lambda _: ComparisonFigure([]), "solutions is [] | a dictionary of ContactSolutions by their labels | give"),
     (lambda _: ComparisonFigure({"plane": Solve(Disc()), "solid": Solve(Block())}),
      "solution 'solid' has | the first one | compare solutions of one problem"),
+    (lambda _: ComparisonFigure({"IP": Disc()}),
+     "solution 'IP' is Discretization( | a ContactSolution | which Solve(disc) returns"),
+    (lambda _: Animation([Solve(Disc()), Example()]), "solution 2 is ContactProblem( | a ContactSolution | give"),
+    (lambda _: DeformedFigure(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
+    (lambda _: SettingFigure(Solve(Disc())),
+     "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),
     (lambda _: Animation([]), "given are 0 | of one dimension and order | give load steps of one Discretization"),
     # Inverses.
     (lambda _: Disc(inverse="lu").inversekind, "inverse is 'lu' | auto, sparsecholesky | choose"),
@@ -456,6 +473,9 @@ MISTAKES = [
     (lambda _: ShapeMesh(Circle((0, 0), 1).Face(), 0), "maxh is 0 | a positive number | give"),
     (lambda _: ShapeMesh(Circle((0, 0), 1).Face(), 1, order=0), "order is 0 | a positive integer | give"),
     (lambda _: RectangleMesh(0), "n is 0 | a positive integer | must be"),
+    (lambda _: RectangleMesh(2, upper=80), "lower is (0, 0) and upper is 80 | two corners of 2 coordinates each | give"),
+    (lambda _: RectangleMesh(2, upper=(80, -30)), "upper is (80, -30) | all of them larger in upper | give two corners"),
+    (lambda _: BoxMesh(2, upper=(1, 1)), "upper is (1, 1) | two corners of 3 coordinates each | give"),
     (lambda _: RectangleMesh(2, cells="hexagon"), "cells is 'hexagon' | one of triangle | choose"),
     # Saved solutions.
     (lambda folder: ContactSolution.Load(folder, Example()),

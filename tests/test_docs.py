@@ -163,7 +163,8 @@ def test_gallery_page_has_pictures_scene_and_numbers(tmp_path, monkeypatch):
     page = (tmp_path / "winkler.md").read_text(encoding="utf-8")
     pictures = re.findall(r"```\{figure\} (\S+)", page)
     assert len(pictures) >= 3 and all((tmp_path / picture).stat().st_size > 5000 for picture in pictures)
-    assert page.startswith("# A column\n") and "**Question.** How deep?" in page and "--order 1 --n 2" in page
+    assert page.startswith("# A column\n") and "**Question.** How deep?" in page
+    assert "\nngdgc run cases/winkler.py --out results/\n" in page
     assert re.search(r"\| u_n \[m\] \| 0\.3 \| 0\.3 \| [+-]\S+ % \|", page)
     assert "webgui" in (tmp_path / "winkler.scene.html").read_text(encoding="utf-8")
 

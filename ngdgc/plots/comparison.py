@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..exceptions import ProblemError
+from ..solution import CheckSolution
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
 from .curves import Along, Left
 from .deformed import DrawElements
@@ -31,6 +32,7 @@ def ComparisonFigure(solutions, *, scale=1):
                            'such as {"IP": first, "H1": second}')
     first = next(iter(solutions.values()))
     for label, solution in solutions.items():
+        CheckSolution(solution, f"solution {label!r}")
         if _Kind(solution) != _Kind(first):
             raise ProblemError(f"solution {label!r} has (dimension, foundations) {_Kind(solution)}, the first one "
                                f"{_Kind(first)}; compare solutions of one problem")

@@ -6,6 +6,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..graph import ZONES
+from ..solution import CheckSolution
 from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS
 from .curves import GAP, Along, Left
 from .solid import ContactMaps
@@ -19,6 +20,7 @@ def ContactFigure(solution, *, slip=False):
     s is the arc length along Gamma_C in the direction of the tangent (-n_y, n_x), the body on the left; tangential components
     are positive in this direction.  Markers are the quadrature points.  In 3D maps of pressure, friction and zones.
     """
+    CheckSolution(solution)
     disc, contact = solution.disc, solution.disc.contact
     if disc.mesh.dim == 3:
         return ContactMaps(solution)

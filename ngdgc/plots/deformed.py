@@ -5,6 +5,7 @@ from matplotlib.collections import PolyCollection
 
 from ..coefficients import ValuesAt
 from ..facets import Coordinates
+from ..solution import CheckSolution
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, Left, SplitByElement
 from .solid import DeformedSurface
@@ -18,6 +19,7 @@ def DeformedFigure(solution, *, scale=1):
     Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
     beyond Gamma_C, as far as the body has slid.  In 3D the surface of the body, seen from below, without the foundations.
     """
+    CheckSolution(solution)
     disc, contact = solution.disc, solution.disc.contact
     if disc.mesh.dim == 3:
         return DeformedSurface(solution, scale)

@@ -7,6 +7,7 @@ from matplotlib.lines import Line2D
 
 from ..graph import LEAST, ContactGraph, Distance, Scales
 from ..hypotheses import SlipFactor
+from ..solution import CheckSolution
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
 from .curves import Left
 
@@ -26,6 +27,7 @@ def LawFigure(solution):
     bound are left out if they obey the law.  A point further than 1e-6 from its law (`graph.Distance`, no unit) is crossed,
     counted in the title, and tied to a point of its own graph: no band hides it.
     """
+    CheckSolution(solution)
     contact, displacement, traction = solution.disc.contact, solution.displacement, solution.traction
     distance = Distance(contact, displacement, traction).distance
     off = distance > OFF

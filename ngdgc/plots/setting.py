@@ -6,6 +6,8 @@ from ngsolve import VOL
 from scipy.spatial import cKDTree
 
 from ..coefficients import ValuesAt, VectorsAt
+from ..discretization import Discretization
+from ..exceptions import ProblemError
 from ..facets import Coordinates, VolumePoints
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, PlaneAxes, Thickness
 from .curves import Curves, ElementOutlines, Left, Outline, SplitByElement
@@ -20,6 +22,8 @@ def SettingFigure(disc):
     Clamped boundaries are hatched, rollers stand on circles, foundations are red blocks, tractions are arrows of a length
     proportional to |f_2| that end or begin at the boundary.  In 3D the surface of the body, coloured by what acts on it.
     """
+    if not isinstance(disc, Discretization):
+        raise ProblemError(f"disc is {disc!r}; give a Discretization, that of a solution is solution.disc")
     problem, mesh = disc.problem, disc.mesh
     if mesh.dim == 3:
         return SettingSurface(disc)

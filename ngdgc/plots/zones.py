@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from ..graph import ZONES
+from ..solution import CheckSolution
 from .canvas import WIDTH, ZONE_COLOURS, Frame, PlaneAxes, Unconverged
 from .curves import GAP, Along, Curves, Outline
 from .solid import DrawMap, TangentFrame, TangentLabel
@@ -23,6 +24,7 @@ def ZonesFigure(solution):
     for each foundation, seen along its mean normal; a point stands for the part of its face that is nearest to it.  The legend
     has the length or area of every zone.
     """
+    CheckSolution(solution)
     if solution.disc.mesh.dim == 3:
         return _Maps(solution)
     disc = solution.disc

@@ -36,8 +36,8 @@ class SemismoothNewtonSolver:
       by one application, and again as long as that helps: zones that change need no further Newton step.
     * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
       a body that nothing but its foundation holds.
-    * Where nothing but the foundation holds the body and all points slip, the derivative is singular: eigenvalues of dt/dq count
-      as at least 1/100, less as F falls.
+    * Where nothing but the foundation holds the body and all points slip, the derivative is singular: eigenvalues of dt/dq
+      count as at least 1/100, less as F falls.
     * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls and no start was given, the load is raised in
       steps that adapt, from rest.
 

@@ -99,16 +99,16 @@ def Text(series):
 
 INTRODUCTION = """# Error against time
 
-Written by `ngdgc accuracy --page docs/accuracy.md`; nothing on this page is typed by hand but the explanations.  The smooth
-solution `ngdgc.exact.SmoothSlip` on meshes 1/2, 1/4, ..., from the mesh in memory to the solution by `Solve(disc)`; the error
-is that of the strain, relative, in L2.  Cells read seconds, unknowns, interpolated between meshes; a dash stands where no mesh
-was fine enough within the time given, or where all of them were too fine.
+Written by `ngdgc accuracy --budget {budget:g} --page docs/accuracy.md`; nothing on this page is typed by hand but the
+explanations.  The smooth solution `ngdgc.exact.SmoothSlip` on meshes 1/2, 1/4, ..., from the mesh in memory to the solution by
+`Solve(disc)`, until a run takes more than {budget:g} s; the error is that of the strain, relative, in L2.  Cells read seconds,
+unknowns, interpolated between meshes; a dash stands where no mesh was fine enough, or where all of them were too fine.
 """
 
 
-def Page(series):
-    """The page, Markdown; its figures are images/accuracy_CELLS.png."""
-    lines = [INTRODUCTION]
+def Page(series, *, budget):
+    """The page, Markdown, of studies with a budget [s]; its figures are images/accuracy_CELLS.png."""
+    lines = [INTRODUCTION.format(budget=budget)]
     for cells in dict.fromkeys(one.cells for one in series):
         own = [one for one in series if one.cells == cells]
         lines += [f"## Cells: {cells}", "", f"![Error against time](images/accuracy_{cells}.png)", "",

@@ -163,7 +163,7 @@ def Accuracy(options):
         if series:
             Write(folder, "accuracy", Text(series), figures)
     if options.page:
-        WritePage(options.page, Page(series), figures)
+        WritePage(options.page, Page(series, budget=options.budget), figures)
     return 0
 
 

@@ -142,7 +142,8 @@ def test_time_for_an_accuracy_is_interpolated_and_never_extrapolated():
 
 
 def test_accuracy_page_names_the_soonest():
-    page = accuracy.Page([Timed(), Timed("H1", 2, shift=-1)])
+    page = accuracy.Page([Timed(), Timed("H1", 2, shift=-1)], budget=2)
+    assert "--budget 2 --page" in page and "more than 2 s" in page
     assert "* 1 %: H1, k = 2, is the soonest." in page and "0.001 %: " not in page
     assert "| IP edge | triangle | 1 | 10 s, 24 | 1e+02 s, 96 | - |" in page
 

@@ -17,9 +17,6 @@ import scipy.sparse as sp
 from .exceptions import ProblemError
 from .facets import Csr, Native, Threads
 
-INEXACT = 1e-4      # part of a change of the load that an inverse which is an iteration may leave: the next change makes up
-EXACT = 1e-10       # part of the whole load that it leaves in the end
-
 
 @dataclass(frozen=True)
 class Equilibrium:
@@ -32,45 +29,41 @@ class Equilibrium:
 
 
 class Compliance:
-    """S_D of a Discretization for a stiffness D (n, d, d), symmetric and nonnegative, or None for D = 0."""
+    """S_D of a Discretization or `subspace.Subspace` for a stiffness D (n, d, d), symmetric and nonnegative; None: D = 0."""
 
     def __init__(self, disc, stiffness=None):
         self.disc, self.contact, self.stiffness = disc, disc.contact, stiffness
-        self.iterative = disc.inversekind == "iterative"
         self._inverse = disc.inverse if stiffness is None else self._Factorise()
 
-    def Meet(self, displacement, traction, *, load=1.0, near=None, step=0.0):
+    def Meet(self, displacement, traction, *, load=1.0, near=None):
         """(Equilibrium, s, S_D s): the one that meets t = traction + D (u - displacement), by one application of the inverse.
 
         near : an Equilibrium of the same load; the difference to it is computed, s that of t - D u (n, d)
-        step : what the difference is expected to be, coefficients (ndof,), for an inverse that is an iteration
         Without near, s and S_D s are None.
         """
         if near is None or near.load != load:
-            options = {"tol": INEXACT} if self.iterative else {}
-            vector = self._Displacement(load, self.Restoring(displacement) - traction, **options)
+            vector = self._Displacement(load, self.Restoring(displacement) - traction)
             return self._Equilibrium(vector, displacement, traction, load), None, None
         s = traction - near.traction - self.Restoring(displacement - near.displacement)
-        if self.iterative:
-            vector = self._Approach(near, displacement, traction, INEXACT * np.linalg.norm(self.contact.Load(s)), step)
-        else:
-            vector = near.vector - self._Solve(self.contact.Load(s))
+        vector = near.vector - self._Solve(self.contact.Load(s))
         equilibrium = self._Equilibrium(vector, displacement, traction, load)
         return equilibrium, s, near.displacement - equilibrium.displacement
 
-    def Exact(self, displacement, traction, near):
-        """The Equilibrium of `Meet` near another one, as accurate as an iteration can."""
-        vector = self._Approach(near, displacement, traction, 0.0)
-        return self._Equilibrium(vector, displacement, traction, near.load)
+    def Approach(self, vector, displacement, traction, *, part=np.inf, most=np.inf):
+        """The Equilibrium of `Meet` nearly, from coefficients (ndof,) nearby, by an inverse that is an iteration.
+
+        What is out of balance becomes at most `part` of what it is, and `most` of the loads; all as Euclidean norms.
+        """
+        disc = self.disc
+        load = disc.load + self.contact.Load(self.Restoring(displacement) - traction)
+        excess = load - disc.Multiply(vector) - self.contact.Load(self.Restoring(self.contact.Displacement(vector)))
+        goal = min(part * np.linalg.norm(excess), most * np.linalg.norm(disc.load))
+        vector = disc.Iterate(self._inverse, load, tol=goal / (np.linalg.norm(load) or 1), start=vector)
+        return self._Equilibrium(vector, displacement, traction, 1.0)
 
     def _Equilibrium(self, vector, displacement, traction, load):
-        u = self.contact.Displacement(vector)
+        u = self.contact.Displacement(vector) + load * self.disc.shift
         return Equilibrium(vector, u, traction + self.Restoring(u - displacement), load)
-
-    def _Approach(self, near, displacement, traction, left, step=0.0):
-        """Coefficients of u from those of an Equilibrium, to a residual `left`; what that one lacks is made up for."""
-        load = near.load * self.disc.load + self.contact.Load(self.Restoring(displacement) - traction)
-        return self._Solve(load, tol=max(left / (np.linalg.norm(load) or 1), EXACT), start=near.vector + step)
 
     def Response(self, s):
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
@@ -80,25 +73,23 @@ class Compliance:
         """D u, the traction of the stiffness in the matrix, (n, d)."""
         return np.zeros_like(displacement) if self.stiffness is None else Apply(self.stiffness, displacement)
 
-    def Smooth(self, load, vector=None):
-        """V (load - (A + T' W D T) vector) with the V-cycle V of an inverse that is an iteration, (ndof,) -> (ndof,)."""
-        return self._inverse.Smooth(load, vector)
-
-    def _Displacement(self, load, pull, **options):
+    def _Displacement(self, load, pull):
         """Coefficients of u under a multiple of the loads and prescribed displacements and a traction on the body, (ndof,)."""
         disc = self.disc
         lift = load * disc.prescribed
-        force = load * disc.load + self.contact.Load(pull - self.Restoring(self.contact.Displacement(lift)))
+        force, there = load * disc.load, load * disc.shift
         if np.any(lift):
-            force = force - disc.Multiply(lift)
-        vector = lift + self._Solve(force, **options)
+            force, there = force - disc.Multiply(lift), there + self.contact.Displacement(lift)
+        if np.any(there):
+            pull = pull - self.Restoring(there)
+        vector = lift + self._Solve(force + self.contact.Load(pull))
         if not np.all(np.isfinite(vector)):
             raise ProblemError("the elastic matrix cannot be factorised: the response to the loads is not finite; look for "
                                "coefficients of extreme size and for degenerate elements")
         return vector
 
-    def _Solve(self, load, **options):
-        return self.disc.ApplyInverse(self._inverse, load, **options)
+    def _Solve(self, load):
+        return self.disc.ApplyInverse(self._inverse, load)
 
     def _Factorise(self):
         """The inverse of A + T' W D T; its entries are added to those of A for the time of a factorisation."""
@@ -111,7 +102,7 @@ class Compliance:
             values, positions = _Positions(disc.matrix, added)
             if positions is None:
                 return disc.Factorise(Native(Csr(disc.matrix) + added))
-            if self.iterative:      # which goes on using its matrix
+            if disc.inversekind == "iterative":     # which goes on using its matrix
                 matrix = disc.matrix.CreateMatrix()
                 matrix.AsVector().data = disc.matrix.AsVector()
                 matrix.AsVector().FV().NumPy()[positions] += added.data

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import BilinearForm, GridFunction, LinearForm, Mesh, Norm, ds, dx
+from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Mesh, Norm, ds, dx
 
 from .coefficients import LOADBONUS, Unfolded
 from .contact import ContactBoundary
+from .equations import LinearEquations
 from .exceptions import ProblemError
 from .facets import Csr, Facets, Native, Threads
 from .inverses import Inverse, Kind
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 SOFT = 1e-3     # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
 
 
-class Discretization:
+class Discretization(LinearEquations):
     """The discrete problem A u = f - T' W t, t = law(T u), of a method of order k >= 1 on a mesh.
 
     Parameters
@@ -53,6 +53,7 @@ class Discretization:
 
     def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",
                  inverse: str = "auto") -> None:
+        super().__init__()
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
         if isinstance(method, type) or not hasattr(method, "Form"):
@@ -71,7 +72,7 @@ class Discretization:
         self.contact = ContactBoundary(problem, self.facets, self.space, scalar, ContactRules(method, mesh.dim, self.order))
         self._supports = Supports(problem, self.facets, self.contact)
         self._inverse, self._curved = inverse, mesh.GetCurveOrder()
-        self.solves, self.factorisation, self.addedmatrices, self.addedloads = 0, 0.0, list[Any](), list[Any]()
+        self.addedmatrices, self.addedloads = list[Any](), list[Any]()
 
     def __repr__(self):
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "
@@ -214,6 +215,17 @@ class Discretization:
         return sum(self.loads.values(), np.zeros(self.space.ndof))
 
     @cached_property
+    def resultant(self) -> Array:
+        """The sum of all loads, (d,) [stress length^(d-1)]."""
+        function, force = GridFunction(self.space), []
+        for direction in np.eye(self.mesh.dim):
+            function.Set(CF(tuple(direction)))
+            force.append(function.vec.FV().NumPy() @ self.load)
+        return np.array(force)
+
+    shift = 0.0     # displacement of Gamma_C that is not in the space, as `subspace.Subspace` has one
+
+    @cached_property
     def prescribed(self) -> Array:
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
         function = GridFunction(self.space)
@@ -236,21 +248,9 @@ class Discretization:
         """What solves the linear equations (`inverses` module)."""
         return Kind(self, self._inverse)
 
-    def Factorise(self, matrix: Any) -> Any:
-        """The inverse of a matrix on the free dofs; symmetric if A is."""
-        start = time.perf_counter()
-        with Threads(self.mesh):
-            inverse = Inverse(self, matrix, self.inversekind)
-        self.factorisation += time.perf_counter() - start
-        return inverse
-
-    def Multiply(self, vector: Array) -> Array:
-        """A u, (ndof,) -> (ndof,)."""
-        source, target = self.matrix.CreateRowVector(), self.matrix.CreateColVector()
-        source.FV().NumPy()[:] = vector
-        with Threads(self.mesh):
-            target.data = self.matrix * source
-        return target.FV().NumPy().copy()
+    def Inverse(self, matrix: Any) -> Any:
+        """The inverse of a matrix on the free dofs, which nobody counts."""
+        return Inverse(self, matrix, self.inversekind)
 
     defaultsolver: Any = None       # set by the solvers, which are built on this class
 
@@ -272,18 +272,6 @@ class Discretization:
     def SolveLinear(self, load: Array) -> Array:
         """A^-1 load on the free dofs, (ndof,) -> (ndof,)."""
         return self.ApplyInverse(self.inverse, load)
-
-    def ApplyInverse(self, inverse: Any, load: Array, **options: Any) -> Array:
-        """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`; an iterative one to a tolerance."""
-        if self.inversekind == "iterative":
-            self.solves += 1
-            return inverse.Solve(load, **options)
-        source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
-        source.FV().NumPy()[:] = load
-        with Threads(self.mesh):
-            target.data = inverse * source
-        self.solves += 1
-        return target.FV().NumPy().copy()
 
     def FreeSolution(self) -> Array:
         """u with B_h(u, v) = (f, v): the response to the loads without foundation, (ndof,)."""

@@ -36,7 +36,7 @@ def Kind(disc, wanted):
             return "umfpack"
         if disc.mesh.dim == 3 and disc.method.discontinuous and disc.space.ndof > LARGE and Swelling(disc) < SWOLLEN:
             return "iterative"
-        return "pardisospd" if HasPardiso() else "sparsecholesky"
+        return Direct()
     if wanted not in (*SYMMETRIC, "umfpack"):
         raise ProblemError(f"inverse is {wanted!r}; choose auto, {', '.join(SYMMETRIC)} or umfpack")
     if wanted in SYMMETRIC and not disc.symmetric:
@@ -45,6 +45,11 @@ def Kind(disc, wanted):
         raise ProblemError("inverse='pardisospd' needs the library MKL and NGSolve 6.2.2608 or newer; install them, "
                            "pip install --upgrade ngdgc[mkl] ngsolve, or take inverse='auto'")
     return wanted
+
+
+def Direct():
+    """The name of the fastest factorisation of symmetric matrices that is installed."""
+    return "pardisospd" if HasPardiso() else "sparsecholesky"
 
 
 def Inverse(disc, matrix, kind):

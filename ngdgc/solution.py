@@ -58,6 +58,7 @@ def ObservedRate(history):
 class Level:
     """What one mesh of a nested iteration took: its size, iterations, applications of an inverse, and seconds.
 
+    cycles : steps of conjugate gradients, where they take the place of a factorisation
     factorisation : seconds of it that factorised;  seconds : in all, with the matrix where that was not there before
     If it has not converged the next mesh started from rest.
     """
@@ -67,6 +68,7 @@ class Level:
     points: int
     iterations: int
     solves: int
+    cycles: int
     factorisation: float
     seconds: float
     converged: bool = True

@@ -97,8 +97,8 @@ class NestedNewtonSolver:
 
 
 def _Level(disc, history, seconds, converged):
-    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(history), disc.solves, disc.factorisation,
-                 seconds, converged)
+    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(history), disc.solves, disc.cycles,
+                 disc.factorisation, seconds, converged)
 
 
 def _Coarse(disc, meshes):

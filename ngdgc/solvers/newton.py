@@ -13,6 +13,7 @@ from ..coefficients import IsNumber
 from ..discretization import Discretization
 from ..exceptions import ProblemError
 from ..protocols import Array
+from .correction import CorrectedRun
 from .driver import Drive
 from .newtonrun import NewtonRun
 
@@ -34,6 +35,7 @@ class SemismoothNewtonSolver:
       piece of the graph.
     * From there the contact problem with all that these products tell of S is solved, which costs nothing (`reduced`), checked
       by one application, and again as long as that helps: zones that change need no further Newton step.
+    * Where the inverse is an iteration, all this happens in a subspace, and its corrections in the whole space (`correction`).
     * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
       a body that nothing but its foundation holds.
     * Where nothing but the foundation holds the body and all points slip, the derivative is singular: eigenvalues of dt/dq
@@ -72,5 +74,5 @@ class SemismoothNewtonSolver:
         if start is not None and [np.shape(part) for part in start] != [shape, shape]:
             raise ProblemError(f"start has shapes {[np.shape(part) for part in start]}; give displacement and traction at the "
                                f"contact points, both {shape}")
-        run = NewtonRun(self, disc, start)
+        run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(self, disc, start)
         return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)

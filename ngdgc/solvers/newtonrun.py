@@ -8,17 +8,15 @@ from ..compliance import Apply, Compliance
 from ..graph import ContactGraph, NormalPart, Scales
 from .driver import Iterate, LawResidual
 from .equation import PointwiseEquation
-from .fullspace import FullSpace
 from .recycling import Recycled
 from .reduced import ReducedCompliance
-from .stiffness import BodyStiffness, LawStiffness, Resultant
+from .stiffness import BodyStiffness, LawStiffness
 
 FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
 HOLD = 0.01         # slope dt/dq that every point has at first, where nothing but the foundation holds the body
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
 FORCING = 3e-3      # relative residual of the linear equations
-LOOSE = 1e-2        # the same on the whole body, in the norm of `fullspace`
-OUTDATED = 20       # iterations for one such equation that tell that the matrix was made for other zones
+ROUGH = 0.1         # the largest one, for tolerances that are near
 ACCURATE = 1e-9     # the smallest one that is asked for
 SAMEPIECE = 0.1     # change of dt/dq, which is between 0 and 1, that tells pieces of the graph apart
 GOAL = 0.1          # part of the tolerance at which the last linear equation aims
@@ -53,6 +51,7 @@ class NewtonRun:
     Attributes
     ----------
     steps : list of (length, applications of the inverse, merit after/before), one for each Newton step
+    state : the last State
     """
 
     def __init__(self, solver, disc, start):
@@ -65,16 +64,14 @@ class NewtonRun:
         self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
         self.steps, self.zones, self.reached = [], [], 0.0
         self.least, self.largest = None, 0.0
-        self.recycled, self.near, self.base = Recycled(None, self.contact.weights), None, None
+        self.recycled, self.base = Recycled(None, self.contact.weights), None
         self._Factorise(self.start, predicted=start is not None)
 
     def _Factorise(self, point, *, predicted):
         """Make the compliance operator; the stiffness of the law at the point goes into the matrix if that is a prediction."""
         self.predicted = predicted
-        self.compliance = Compliance(self.disc, self._Stiffness(point, predicted))
+        self.compliance = Compliance(self.disc, self.Stiffness(point) if predicted or not self.held else None)
         self.recycled.compliance = self.compliance
-        iterative = self.compliance.iterative
-        self.equations = FullSpace(self.compliance, self.contact.weights) if iterative else self.recycled
         n, dim = self.contact.normals.shape
         self.stiffness = np.zeros((n, dim, dim)) if self.compliance.stiffness is None else self.compliance.stiffness
         self.blocks = np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim))
@@ -83,7 +80,7 @@ class NewtonRun:
         """No traction; a body that nothing else holds starts in contact everywhere, or its first step would be a flight."""
         contact = self.contact
         q = np.zeros(len(self.scale))
-        pressure = 0 if self.held else np.linalg.norm(Resultant(self.disc)) / contact.weights.sum()
+        pressure = 0 if self.held else np.linalg.norm(self.disc.resultant) / contact.weights.sum()
         if pressure:
             q = self.scale * (contact.gap + TOUCH * np.ptp(contact.coordinates, axis=0).max())
             for _, here, compliance, _ in contact.parts:
@@ -93,10 +90,8 @@ class NewtonRun:
                 q[here] = np.maximum(q[here], p + gamma * (r + contact.gap[here]))
         return self.graph.At(q[:, None] * contact.normals)
 
-    def _Stiffness(self, point, predicted):
-        """What goes into the matrix, (n, d, d) or None."""
-        if self.held and not predicted:
-            return None
+    def Stiffness(self, point):
+        """D (n, d, d) of the law at a point of the graph; it holds the body where nothing else does."""
         stiffness = LawStiffness(point, self.scale, self.contact.normals)
         if not self.held:
             resisting = self.contact.normals[:, :, None] * self.contact.normals[:, None, :]
@@ -123,9 +118,6 @@ class NewtonRun:
         while not self._Stalled():
             state = self._Step(state)
             yield state.iterate
-            if self.compliance.iterative and self.equations.iterations > OUTDATED:
-                self._Factorise(state.point, predicted=True)
-                state = self._Evaluate(state.point)
             near = self.steps[-1][2] < SETTLED or self._Roundoff()
             if near and not self.predicted and len(self.recycled.images) > RENEW:
                 # The zones are nearly known now: with their stiffness in the matrix round-off and the work that is left shrink.
@@ -134,26 +126,30 @@ class NewtonRun:
             elif self._Roundoff():
                 return
 
-    def _Evaluate(self, point, load=1.0, step=0.0):
-        """The state at a point of the graph, by one application of the inverse; step : see `Compliance.Meet`."""
+    def Resume(self, *, renew):
+        """Iterates from the last point of the graph on, after the right-hand side of the equations has changed, nothing else.
+
+        renew : put the stiffness of the law at that point into the matrix first
+        """
+        self.base = None
+        self.steps.clear()
+        if renew:
+            self._Factorise(self.state.point, predicted=True)
+        state = self._Evaluate(self.state.point)
+        yield state.iterate
+        yield from self._Newton(state)
+
+    def _Evaluate(self, point, load=1.0):
+        """The state at a point of the graph, by one application of the inverse."""
         # From the last equilibrium round-off would add up, and be kept from where the iteration had gone far astray.
-        near = self.near if self.compliance.iterative else self.base
-        self.near, s, response = self.compliance.Meet(point.displacement, point.traction, load=load, near=near, step=step)
+        found, s, response = self.compliance.Meet(point.displacement, point.traction, load=load, near=self.base)
         if s is None:
-            self.base = self.near
+            self.base = found
         else:
             self.recycled.Remember(s, response)
-        state = self._State(point)
-        if self.compliance.iterative and load == 1 and LawResidual(self.contact, state.iterate) <= self.solver.tol:
-            # The last one, if it is one that can be believed.
-            self.near = self.compliance.Exact(point.displacement, point.traction, self.near)
-            state = self._State(point)
-        return state
-
-    def _State(self, point):
-        F = point.displacement - self.near.displacement
-        self.last = Iterate(self.near.vector, self.near.traction, self.near.displacement)
-        return State(point, F, self._Merit(F), self.last)
+        F = point.displacement - found.displacement
+        self.state = State(point, F, self._Merit(F), Iterate(found.vector, found.traction, found.displacement))
+        return self.state
 
     def _Merit(self, F):
         """|F|^2 in L2(Gamma_C), with |D F/gamma|^2 where D holds the body: in F a large D hides what is out of balance."""
@@ -168,29 +164,28 @@ class NewtonRun:
             # Where all points slip, or none touches, nothing would hold the body: its step would be a flight.
             self.largest = max(self.largest, state.merit)
             self.least = HOLD * np.sqrt(state.merit / self.largest)
-        before, iterative = self.disc.solves, self.compliance.iterative
-        step, guess = self._Direction(state, LOOSE if iterative else FORCING), 0.0
+        before = self.disc.solves
+        enough = GOAL * self.solver.tol / self._Error(state)
+        step, chosen = self._Direction(state, float(np.clip(enough, FORCING, ROUGH))), 1.0
         trial = self.graph.At(state.point.q + step)
-        if iterative:
-            guess = -self.equations.displacement
-        elif np.abs(trial.derivative - state.point.derivative).max() < SAMEPIECE:
+        if enough < FORCING and np.abs(trial.derivative - state.point.derivative).max() < SAMEPIECE:
             # The step stays on one smooth piece, so its equation is the last one that matters, and worth solving well.
-            step = self._Direction(state, float(np.clip(GOAL * self.solver.tol / self._Error(state), ACCURATE, FORCING)))
+            step = self._Direction(state, max(enough, ACCURATE))
         applications = self.disc.solves - before
-        best, chosen = None if iterative else self._Corrected(state, state.point.q + step, load), 1.0
-        if best is None or best.merit > GAIN * state.merit:
-            best, chosen = self._Shortened(state, step, guess, load, best)
-        self.last = best.iterate
+        best = self._Corrected(state, state.point.q + step, load)
+        if best.merit > GAIN * state.merit:
+            best, chosen = self._Shortened(state, step, load, best)
+        self.state = best
         self.steps.append((chosen, applications, best.merit / state.merit))
         self.zones.append(best.point.zones)
         return best
 
-    def _Shortened(self, state, step, guess, load, best):
-        """(best state, its length) of steps halved until the merit falls; `best`, if not None, competes as a full one."""
+    def _Shortened(self, state, step, load, best):
+        """(best state, its length) of steps halved until the merit falls; `best` competes as a full one."""
         chosen = length = 1.0
         for _ in range(HALVINGS + 1):
-            trial = self._Evaluate(self.graph.At(state.point.q + length * step), load, length * guess)
-            if best is None or trial.merit < best.merit:
+            trial = self._Evaluate(self.graph.At(state.point.q + length * step), load)
+            if trial.merit < best.merit:
                 best, chosen = trial, length
             if best.merit <= (1 - DECREASE * length) * state.merit:
                 break
@@ -221,7 +216,7 @@ class NewtonRun:
     def _Direction(self, state, forcing):
         """Newton's step in q, (n, d), from the `PointwiseEquation`."""
         equation = self._Equation(state.point)
-        s, image = self.equations.Solve(equation.Local, -Apply(equation.P, state.F), tol=forcing, maxiter=LINEAR)
+        s, image = self.recycled.Solve(equation.Local, -Apply(equation.P, state.F), tol=forcing, maxiter=LINEAR)
         return equation.Step(state.F, image - Apply(self.blocks, s))
 
     def _Equation(self, point):
@@ -234,7 +229,7 @@ class NewtonRun:
     def _Roundoff(self):
         """True if the last two steps brought nothing and hardly anything is left."""
         recent = [ratio for _, _, ratio in self.steps[-2:]]
-        return len(recent) == 2 and min(recent) > 0.5 and LawResidual(self.contact, self.last) < SMALL
+        return len(recent) == 2 and min(recent) > 0.5 and LawResidual(self.contact, self.state.iterate) < SMALL
 
     def _Continuation(self):
         """The state under full load, reached from rest by raising the load in steps that adapt; None if that fails as well."""
@@ -262,7 +257,7 @@ class NewtonRun:
         """Cause and remedy of a failure."""
         if reason == "slow":
             return "Newton reached its limit of steps while still making progress; raise maxiter", None
-        if LawResidual(self.contact, self.last) < SMALL:
+        if LawResidual(self.contact, self.state.iterate) < SMALL:
             return f"tol={self.solver.tol:g} is below what round-off allows here; take a larger tol", None
         period = self._Period()
         if period:

@@ -1,7 +1,6 @@
-"""How stiff body and foundation are at a point of Gamma_C, and how large the loads."""
+"""How stiff body and foundation are at a point of Gamma_C."""
 
 import numpy as np
-from ngsolve import CF, GridFunction
 
 CAP = 100       # largest stiffness of the foundation that goes into a matrix, in units of the body's at the scale of a facet
 
@@ -25,11 +24,3 @@ def LawStiffness(point, scale, normals):
     stiffness = scale[:, None] * share / (1 - share + share / CAP)
     return (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)
 
-
-def Resultant(disc):
-    """The sum of all loads, (d,) [stress length^(d-1)]."""
-    function, force = GridFunction(disc.space), []
-    for direction in np.eye(disc.mesh.dim):
-        function.Set(CF(tuple(direction)))
-        force.append(function.vec.FV().NumPy() @ disc.load)
-    return np.array(force)

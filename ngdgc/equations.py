@@ -1,0 +1,53 @@
+"""Linear equations of a body: a matrix, its inverse, and what they have cost."""
+
+import time
+from typing import Any
+
+from .facets import Threads
+from .protocols import Array
+
+
+class LinearEquations:
+    """A x = b with symmetric or unsymmetric sparse matrices on one space, solved as `inversekind` says.
+
+    Of those who inherit: `matrix`, NGSolve's A;  `mesh`;  `inversekind`, a name of the `inverses` module;  `Inverse(matrix)`.
+
+    Attributes
+    ----------
+    solves : how often an inverse was applied;  factorisation : seconds that factorisations, or preconditioners, took
+    cycles : steps of conjugate gradients in `Iterate`
+    """
+
+    def __init__(self) -> None:
+        self.solves, self.factorisation, self.cycles = 0, 0.0, 0
+
+    def Factorise(self, matrix: Any) -> Any:
+        """The inverse of a matrix on the free dofs; symmetric if A is."""
+        start = time.perf_counter()
+        with Threads(self.mesh):
+            inverse = self.Inverse(matrix)
+        self.factorisation += time.perf_counter() - start
+        return inverse
+
+    def Multiply(self, vector: Array) -> Array:
+        """A x, (ndof,) -> (ndof,)."""
+        return self._Apply(self.matrix, vector)
+
+    def ApplyInverse(self, inverse: Any, load: Array) -> Array:
+        """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`."""
+        self.solves += 1
+        return self._Apply(inverse, load)
+
+    def Iterate(self, inverse: Any, load: Array, *, tol: float, start: Array) -> Array:
+        """The same from a start (ndof,) and to a tolerance, by an `iterative.IterativeInverse`."""
+        before = inverse.iterations
+        vector = inverse.Solve(load, tol=tol, start=start)
+        self.solves, self.cycles = self.solves + 1, self.cycles + inverse.iterations - before
+        return vector
+
+    def _Apply(self, operator, vector):
+        source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
+        source.FV().NumPy()[:] = vector
+        with Threads(self.mesh):
+            target.data = operator * source
+        return target.FV().NumPy().copy()

@@ -249,7 +249,6 @@ class Discretization(LinearEquations):
         return Kind(self, self._inverse)
 
     def Inverse(self, matrix: Any) -> Any:
-        """The inverse of a matrix on the free dofs, which nobody counts."""
         return Inverse(self, matrix, self.inversekind)
 
     defaultsolver: Any = None       # set by the solvers, which are built on this class

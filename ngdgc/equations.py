@@ -1,16 +1,17 @@
 """Linear equations of a body: a matrix, its inverse, and what they have cost."""
 
 import time
+from abc import ABC, abstractmethod
 from typing import Any
 
 from .facets import Threads
 from .protocols import Array
 
 
-class LinearEquations:
+class LinearEquations(ABC):
     """A x = b with symmetric or unsymmetric sparse matrices on one space, solved as `inversekind` says.
 
-    Of those who inherit: `matrix`, NGSolve's A;  `mesh`;  `inversekind`, a name of the `inverses` module;  `Inverse(matrix)`.
+    Who inherits has `mesh`, `matrix`, NGSolve's A, and `inversekind`, a name of the `inverses` module.
 
     Attributes
     ----------
@@ -18,8 +19,15 @@ class LinearEquations:
     cycles : steps of conjugate gradients in `Iterate`
     """
 
+    mesh: Any
+    matrix: Any
+
     def __init__(self) -> None:
         self.solves, self.factorisation, self.cycles = 0, 0.0, 0
+
+    @abstractmethod
+    def Inverse(self, matrix: Any) -> Any:
+        """The inverse of a matrix on the free dofs, which nobody counts."""
 
     def Factorise(self, matrix: Any) -> Any:
         """The inverse of a matrix on the free dofs; symmetric if A is."""

@@ -92,10 +92,17 @@ def test_all_corrections_take_about_as_many_cycles_as_one_linear_equation(stiffn
     assert level.cycles == disc.cycles > level.solves
 
 
-def test_corrections_that_leave_the_whole_out_of_balance_do_not_converge(monkeypatch):
-    """Negative control, and the message: without conjugate gradients the subspace's solution stays what it is."""
-    monkeypatch.setattr(correction, "PART", np.inf)
-    with pytest.raises(NotConvergedError, match="stay at a law residual of .*inverse='sparsecholesky'"):
+@pytest.mark.parametrize("forgotten", ["shift", "load"])
+def test_corrections_of_another_state_do_not_converge(forgotten, monkeypatch):
+    """Negative control, and the message: displacement or imbalance of what is to be corrected are left out."""
+    def Move(small, vector):
+        move(small, vector)
+        old = Subspace(small.disc)
+        setattr(small, forgotten, getattr(old, forgotten))
+
+    move = Subspace.Move
+    monkeypatch.setattr(correction.Subspace, "Move", lambda small, vector: (Move if np.any(vector) else move)(small, vector))
+    with pytest.raises(NotConvergedError, match="law residual of .*inverse='sparsecholesky'"):
         SemismoothNewtonSolver().Solve(Box())
 
 

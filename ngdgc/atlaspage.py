@@ -116,7 +116,7 @@ The tolerance is {tol:g}, the paper's, and Uzawa's iterations end after {limit}.
 inverse / seconds, those of nested iteration `on this mesh + on the coarser ones`; figures show those on this mesh.
 Applications count everything: the response to the loads, the estimates behind rho = "auto", line searches.  Seconds are of
 one run and vary with the machine and with what else it does: all of the solver with its factorisations and coarser meshes,
-without the matrix of the mesh itself; `atlas.csv` has the factorisation by itself.
+without the matrix of the mesh itself.  All runs are in [atlas.csv](atlas.csv), which has the factorisation by itself.
 
 Problems: the paper's examples with their own data; their geometries and loads with p_n = k_n r and Coulomb friction; and the
 block, a unit square with E = 1000 and nu = 0.3 that is pressed by 0.02 and sheared by 0.002 onto a rounded foundation, gap

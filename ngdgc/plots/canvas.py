@@ -79,9 +79,13 @@ def Thickness(disc, curve):
 
 
 def DrawBlock(axes, curve, gap, thickness, reach=(0, 0)):
-    """The block whose surface is x + gap n; pale where it is drawn beyond its ends by `reach` along the tangents [length]."""
+    """The block whose surface is x + gap n; pale where it is drawn beyond its ends by `reach` along the tangents [length].
+
+    Its back is parallel to Gamma_C, `thickness` below the deepest point: below a steep surface, as a large scale makes one of
+    a narrow hill, a slab would be a pair of spikes.
+    """
     surface = curve.coordinates + gap[:, None] * curve.normals
-    back = surface + thickness * curve.normals
+    back = curve.coordinates + (gap.max() + thickness) * curve.normals
     axes.add_patch(Polygon(np.concatenate([surface, back[::-1]]), facecolor=RED, edgecolor="none", gid="foundation"))
     for end, sign, length in ((0, -1, reach[0]), (-1, 1, reach[1])):
         if length > 0:

@@ -12,6 +12,7 @@ os.environ["PYTHONPATH"] = os.pathsep.join([str(DOCS), *filter(None, [os.environ
 
 import ngdgc  # noqa: E402
 from apidoc import ExpandMarkers, ToRst  # noqa: E402
+from downloads import Offered  # noqa: E402
 from galleries import WriteGallery  # noqa: E402
 from offline import CopyMathJax, Finish  # noqa: E402
 
@@ -61,9 +62,12 @@ def Docstring(app, what, name, object, options, lines):
 
 
 def Source(app, name, source):
-    """Markers of the reference become its entries."""
+    """Markers of the reference become its entries, and notebooks offer their files."""
     if name == "api":
         source[0] = ExpandMarkers(source[0])
+    file = Path(app.env.doc2path(name))
+    if file.suffix == ".ipynb":
+        source[0] = Offered(source[0], file.name)
 
 
 def setup(app):

@@ -18,6 +18,7 @@ from .exceptions import ProblemError
 from .meshes import UnitMesh
 from .protocols import Method
 from .solvers import NestedNewtonSolver
+from .tables import Aligned, Piped
 from .variants import Label
 
 if TYPE_CHECKING:
@@ -92,9 +93,7 @@ HEADER = ("method", "cells", "order", *(f"{100 * goal:g} %" for goal in GOALS))
 
 def Text(series):
     """The table for a terminal."""
-    rows = [HEADER, *Rows(series)]
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
+    return "\n".join(Aligned([HEADER, *Rows(series)]))
 
 
 INTRODUCTION = """# Error against time
@@ -112,8 +111,7 @@ def Page(series, *, budget):
     for cells in dict.fromkeys(one.cells for one in series):
         own = [one for one in series if one.cells == cells]
         lines += [f"## Cells: {cells}", "", f"![Error against time](images/accuracy_{cells}.png)", "",
-                  "| " + " | ".join(HEADER) + " |", "|---" * len(HEADER) + "|",
-                  *("| " + " | ".join(row) + " |" for row in Rows(own)), ""]
+                  *Piped([HEADER, *Rows(own)]), ""]
         for goal in GOALS:
             known = [(one.At(goal)[0], one) for one in own if one.At(goal)]
             if known:

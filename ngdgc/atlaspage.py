@@ -6,6 +6,7 @@ from textwrap import fill
 
 from . import atlas
 from .plots import AtlasFigure
+from .tables import Aligned, Piped
 
 TITLES = {"own": "The paper's examples", "stiffness": "Stiffness of the foundation", "coefficient": "Friction coefficient",
           "size": "Mesh size", "order": "Order", "method": "Method", "box": "Three dimensions"}
@@ -81,16 +82,8 @@ def Text(rows, sweeps):
     sections, reasons = Sections(rows, sweeps)
     lines = ["iterations / applications of an inverse (+ on coarser meshes) / seconds"]
     for name, head, cells in sections:
-        widths = [max(map(len, column)) for column in zip(head, *cells)]
-        lines += ["", sweeps[name].what, *("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip()
-                                            for line in (head, *cells))]
+        lines += ["", sweeps[name].what, *Aligned([head, *cells])]
     return "\n".join([*lines, "", *Reasons(rows, reasons), Agreement(rows)])
-
-
-def Markdown(section):
-    """One table for a page."""
-    _, head, cells = section
-    return ["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(line) + " |" for line in cells), ""]
 
 
 def Figures(rows, sweeps):
@@ -123,7 +116,7 @@ The tolerance is {tol:g}, the paper's, and Uzawa's iterations end after {limit}.
 inverse / seconds, those of nested iteration `on this mesh + on the coarser ones`; figures show those on this mesh.
 Applications count everything: the response to the loads, the estimates behind rho = "auto", line searches.  Seconds are of
 one run and vary with the machine and with what else it does: all of the solver with its factorisations and coarser meshes,
-without the matrix of the mesh itself; `atlas.csv` has the factorisation by itself.
+without the matrix of the mesh itself.  All runs are in [atlas.csv](atlas.csv), which has the factorisation by itself.
 
 Problems: the paper's examples with their own data; their geometries and loads with p_n = k_n r and Coulomb friction; and the
 block, a unit square with E = 1000 and nu = 0.3 that is pressed by 0.02 and sheared by 0.002 onto a rounded foundation, gap
@@ -167,8 +160,8 @@ def Page(rows, sweeps):
         if own:
             lines += [f"## {TITLES[kind]}", "", fill(text, 118), ""]
             lines += [f"![{TITLES[kind]}](images/atlas_{kind}.png)", ""] if f"atlas_{kind}" in figures else []
-            for section in own:
-                lines += [f"### {sweeps[section[0]].what}", "", *Markdown(section)]
+            for name, head, cells in own:
+                lines += [f"### {sweeps[name].what}", "", *Piped([head, *cells]), ""]
     return "\n".join(lines)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 
 from .exceptions import ProblemError
+from .tables import Aligned
 
 
 def CaseFiles() -> dict[str, Path]:
@@ -41,5 +42,4 @@ def Compared(values: list[tuple[str, float, float]]) -> str:
     for quantity, computed, expected in values:
         difference = f"{100 * (computed / expected - 1):+.2g} %" if expected else f"{computed - expected:.2g}"
         rows.append((quantity, f"{computed:.6g}", f"{expected:.6g}", difference))
-    width = max(len(row[0]) for row in rows)
-    return "\n".join(f"{row[0]:<{width}}" + "".join(f"{text:>14}" for text in row[1:]) for row in rows) + "\n"
+    return "\n".join(Aligned(rows, numbers=True)) + "\n"

@@ -6,6 +6,7 @@ from .arguments import Folder, Positive
 from .casefiles import LoadCase
 from .exceptions import NotConvergedError, ProblemError
 from .studies import Show, Write
+from .tables import Aligned
 
 TITLES = ("method", "unknowns", "iterations", "solves", "seconds", "max |u|", "max p_n", "int p_n", "energy")
 
@@ -60,6 +61,4 @@ def Table(solutions):
                   solution.energy)
         rows.append((label + ("" if solution.converged else " (not converged)"), str(solution.disc.space.ndof),
                      str(last.number), str(last.solves), f"{last.seconds:.2f}", *(f"{value:.6g}" for value in values)))
-    first, *others = [max(map(len, column)) for column in zip(*rows)]
-    return "\n".join("  ".join([row[0].ljust(first), *(text.rjust(width) for text, width in zip(row[1:], others))])
-                     for row in rows)
+    return "\n".join(Aligned(rows, numbers=True))

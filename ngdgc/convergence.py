@@ -18,6 +18,7 @@ from .exceptions import ProblemError
 from .meshes import UnitMesh
 from .protocols import Method, Solver
 from .solvers import UzawaSolver
+from .tables import Aligned, Piped
 from .variants import Label
 
 if TYPE_CHECKING:
@@ -92,16 +93,14 @@ def Rows(series):
 
 def Text(series):
     """The table for a terminal."""
-    rows = [HEADER, *Rows(series)]
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
+    return "\n".join(Aligned([HEADER, *Rows(series)]))
 
 
 def Summary(series):
     """Markdown: one row per series with the errors on its finest mesh and the last observed orders."""
-    lines = ["| method | cells | order | n | energy error | rate | L2 error | rate |", "|---" * 8 + "|"]
+    rows = [("method", "cells", "order", "n", "energy error", "rate", "L2 error", "rate")]
     for one in series:
         energy, l2 = one.rates
-        lines.append(f"| {one.label} | {one.cells} | {one.order} | {one.n[-1]} | {one.energy[-1]:.3e} | {energy[-1]:.2f} | "
-                     f"{one.l2[-1]:.3e} | {l2[-1]:.2f} |")
-    return "\n".join(lines)
+        rows.append((one.label, one.cells, str(one.order), str(one.n[-1]), f"{one.energy[-1]:.3e}", f"{energy[-1]:.2f}",
+                     f"{one.l2[-1]:.3e}", f"{l2[-1]:.2f}"))
+    return "\n".join(Piped(rows))

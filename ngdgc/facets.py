@@ -198,6 +198,18 @@ def BoundaryFunction(facets, gfu):
     return corners, values
 
 
+def Projected(space, function):
+    """Coefficients (ndof,) of a vector CoefficientFunction in a space, by NGSolve's `Set`, component by component.
+
+    All components at once would take element matrices out of a heap of fixed size, which hexahedra of order 5 overflow.
+    """
+    projection = GridFunction(space)
+    for number, component in enumerate(projection.components):
+        # With its default rule Set reproduces functions of the space on curved elements too; with a bonus it does not.
+        component.Set(function[number])
+    return projection.vec.FV().NumPy().copy()
+
+
 def RigidMotions(dim):
     """CoefficientFunctions of a basis of the rigid motions: translations along the axes, then rotations about the origin.
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from ngsolve import CoefficientFunction
@@ -84,8 +84,25 @@ class FrictionLaw:
         return CheckLaws(compliance, self, depth=depth, slip=slip)
 
 
+class _Ranged:
+    """A law whose data have ranges: numbers are checked at once, CoefficientFunctions where `LawAt` has evaluated them."""
+
+    _ranges: ClassVar[dict[str, dict[str, float]]]      # {name: limits of `CheckRange`}
+
+    def __post_init__(self) -> None:
+        for name, limits in self._ranges.items():
+            # An array is what `LawAt` has put there.
+            if not isinstance(getattr(self, name), np.ndarray):
+                object.__setattr__(self, name, Scalar(getattr(self, name), name))
+            CheckNumber(getattr(self, name), name, **limits)
+
+    def CheckData(self, name: str = "") -> None:
+        for attribute, limits in self._ranges.items():
+            CheckRange(getattr(self, attribute), name + attribute, **limits)
+
+
 @dataclass(frozen=True)
-class NormalCompliance(ComplianceLaw):
+class NormalCompliance(_Ranged, ComplianceLaw):
     """p_n(r) = stiffness * max(r, 0)^exponent, (4.1).
 
     `stiffness` [stress/length^exponent] >= 0, number or scalar CoefficientFunction; `exponent` > 0.
@@ -96,20 +113,15 @@ class NormalCompliance(ComplianceLaw):
 
     stiffness: Any
     exponent: float = 1
+    _ranges = {"stiffness": {"least": 0}}
     __repr__ = Described
 
     if TYPE_CHECKING:       # what is given; what is kept is a number, a CoefficientFunction or an array
         def __init__(self, stiffness: Datum, exponent: float = 1) -> None: ...
 
     def __post_init__(self) -> None:
-        if not isinstance(self.stiffness, np.ndarray):
-            object.__setattr__(self, "stiffness", Scalar(self.stiffness, "stiffness"))
-        if not IsNumber(self.exponent) or not 0 < self.exponent < np.inf:
-            raise ProblemError(f"exponent is {self.exponent!r}; it must be a positive number")
-        CheckNumber(self.stiffness, "stiffness", least=0)
-
-    def CheckData(self, name: str = "") -> None:
-        CheckRange(self.stiffness, f"{name}stiffness", least=0)
+        super().__post_init__()
+        _CheckExponent(self.exponent)
 
     def Pressure(self, r: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent
@@ -120,7 +132,7 @@ class NormalCompliance(ComplianceLaw):
 
 
 @dataclass(frozen=True)
-class CoulombFriction(FrictionLaw):
+class CoulombFriction(_Ranged, FrictionLaw):
     """p_t = coefficient * p_n, Coulomb's dry friction; `coefficient` >= 0 [1], number or CoefficientFunction.
 
     >>> float(CoulombFriction(0.5).Bound(None, np.array(8.0)))
@@ -128,18 +140,11 @@ class CoulombFriction(FrictionLaw):
     """
 
     coefficient: Any
+    _ranges = {"coefficient": {"least": 0}}
     __repr__ = Described
 
     if TYPE_CHECKING:
         def __init__(self, coefficient: Datum) -> None: ...
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.coefficient, np.ndarray):
-            object.__setattr__(self, "coefficient", Scalar(self.coefficient, "coefficient"))
-        CheckNumber(self.coefficient, "coefficient", least=0)
-
-    def CheckData(self, name: str = "") -> None:
-        CheckRange(self.coefficient, f"{name}coefficient", least=0)
 
     def Bound(self, r: Array, p: Array) -> Array:
         return self.coefficient * p
@@ -149,7 +154,7 @@ class CoulombFriction(FrictionLaw):
 
 
 @dataclass(frozen=True)
-class SlipWeakeningFriction(FrictionLaw):
+class SlipWeakeningFriction(_Ranged, FrictionLaw):
     """p_t = mu(|u_t|) p_n with mu(s) = dynamic + (static - dynamic) exp(-s/distance).
 
     `static`, `dynamic` >= 0 [1] and `distance` > 0 [length] are numbers or CoefficientFunctions.  Weakening (static > dynamic)
@@ -163,23 +168,11 @@ class SlipWeakeningFriction(FrictionLaw):
     static: Any
     dynamic: Any
     distance: Any
+    _ranges = {"static": {"least": 0}, "dynamic": {"least": 0}, "distance": {"above": 0}}
     __repr__ = Described
 
     if TYPE_CHECKING:
         def __init__(self, static: Datum, dynamic: Datum, distance: Datum) -> None: ...
-
-    def __post_init__(self) -> None:
-        for name in ("static", "dynamic", "distance"):
-            if not isinstance(getattr(self, name), np.ndarray):
-                object.__setattr__(self, name, Scalar(getattr(self, name), name))
-        CheckNumber(self.static, "static", least=0)
-        CheckNumber(self.dynamic, "dynamic", least=0)
-        CheckNumber(self.distance, "distance", above=0)
-
-    def CheckData(self, name: str = "") -> None:
-        CheckRange(self.static, f"{name}static", least=0)
-        CheckRange(self.dynamic, f"{name}dynamic", least=0)
-        CheckRange(self.distance, f"{name}distance", above=0)
 
     def Bound(self, r: Array, p: Array) -> Array:
         return 1.0 * p
@@ -193,7 +186,7 @@ class SlipWeakeningFriction(FrictionLaw):
 
 
 @dataclass(frozen=True)
-class PowerFriction(FrictionLaw):
+class PowerFriction(_Ranged, FrictionLaw):
     """p_t(r) = stiffness * max(r, 0)^exponent, (4.1); `stiffness` >= 0 [stress/length^exponent], `exponent` > 0.
 
     The limit exponent = 0, a constant bound on all of Gamma_C, is `TrescaFriction`.
@@ -204,16 +197,15 @@ class PowerFriction(FrictionLaw):
 
     stiffness: Any
     exponent: float = 1
+    _ranges = {"stiffness": {"least": 0}}
     __repr__ = Described
 
     if TYPE_CHECKING:       # what is given; what is kept is a number, a CoefficientFunction or an array
         def __init__(self, stiffness: Datum, exponent: float = 1) -> None: ...
 
     def __post_init__(self) -> None:
-        NormalCompliance.__post_init__(self)     # type: ignore[arg-type]  # of the same two data
-
-    def CheckData(self, name: str = "") -> None:
-        CheckRange(self.stiffness, f"{name}stiffness", least=0)
+        super().__post_init__()
+        _CheckExponent(self.exponent)
 
     def Bound(self, r: Array, p: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent
@@ -223,7 +215,7 @@ class PowerFriction(FrictionLaw):
 
 
 @dataclass(frozen=True)
-class TrescaFriction(FrictionLaw):
+class TrescaFriction(_Ranged, FrictionLaw):
     """p_t = bound on all of Gamma_C, whatever the penetration: the reduced law (4.2); `bound` >= 0 [stress].
 
     >>> TrescaFriction(1).Bound(np.array([-1.0, 2.0]), None)
@@ -231,18 +223,11 @@ class TrescaFriction(FrictionLaw):
     """
 
     bound: Any
+    _ranges = {"bound": {"least": 0}}
     __repr__ = Described
 
     if TYPE_CHECKING:
         def __init__(self, bound: Datum) -> None: ...
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.bound, np.ndarray):
-            object.__setattr__(self, "bound", Scalar(self.bound, "bound"))
-        CheckNumber(self.bound, "bound", least=0)
-
-    def CheckData(self, name: str = "") -> None:
-        CheckRange(self.bound, f"{name}bound", least=0)
 
     def Bound(self, r: Array, p: Array) -> Array:
         return np.broadcast_to(np.asarray(self.bound, dtype=float), np.shape(r)).copy()
@@ -253,3 +238,8 @@ class TrescaFriction(FrictionLaw):
 
 def _Missing(law, method):
     return ProblemError(f"{type(law).__name__} has no method {method}; write it, arrays (npoints,) -> array (npoints,)")
+
+
+def _CheckExponent(exponent):
+    if not IsNumber(exponent) or not 0 < exponent < np.inf:
+        raise ProblemError(f"exponent is {exponent!r}; it must be a positive number")

@@ -19,6 +19,7 @@ from .exceptions import ProblemError
 from .meshes import UnitMesh
 from .protocols import Method, Solver
 from .solvers import UzawaSolver
+from .tables import Aligned, Piped
 from .variants import Label
 
 SOLVER = UzawaSolver()
@@ -75,12 +76,9 @@ def _Cells(sweeps):
 
 def Text(sweeps):
     """The table for a terminal."""
-    rows = list(_Cells(sweeps))
-    widths = [max(map(len, column)) for column in zip(*rows)]
-    return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows)
+    return "\n".join(Aligned(_Cells(sweeps)))
 
 
 def Markdown(sweeps):
     """The table for a page."""
-    header, *rows = ("| " + " | ".join(row) + " |" for row in _Cells(sweeps))
-    return "\n".join([header, "|---" * (len(sweeps[0].lam) + 3) + "|", *rows])
+    return "\n".join(Piped(_Cells(sweeps)))

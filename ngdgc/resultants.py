@@ -7,10 +7,10 @@ element, from its numerical fluxes; H1 globally, from the residual on constraine
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
+from ngsolve import VOL, ElementId, ds, specialcf
 
 from .elasticity import Strain
-from .facets import RigidMotions, RigidMotionsAt, VolumePoints
+from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
 from .skeleton import Coefficients
 
 
@@ -32,13 +32,7 @@ class Resultant:
 
 def RigidBasis(space):
     """Coefficients in V_h of the rigid motions, (modes, ndof)."""
-    basis = []
-    for motion in RigidMotions(space.mesh.dim):
-        function = GridFunction(space)
-        # With its default rule Set reproduces functions of the space on curved elements too; with a bonus it does not.
-        function.Set(motion)
-        basis.append(function.vec.FV().NumPy().copy())
-    return np.array(basis)
+    return np.array([Projected(space, motion) for motion in RigidMotions(space.mesh.dim)])
 
 
 def Resultants(solution):

@@ -22,6 +22,7 @@ from .lemmas import Boundedness, Coercivity, CriticalPenalty, LiftingBounds, Lif
 from .meshes import RectangleMesh
 from .methods import LDG, METHODS, BassiEtAl, InteriorPenalty
 from .problem import ContactProblem
+from .tables import Aligned, Piped
 
 ROWS = tuple(row for row in METHODS.values() if row.discontinuous)
 RATIOS = (0, 1, 4, 10, 100)
@@ -86,15 +87,14 @@ def _LiftingWords(bounds):
 
 def Text(study):
     """The table for a terminal."""
-    lines = [f"Stability: {study.title}", "", "".join(f"{name:>18}" for name in HEAD)]
-    lines += ["".join(f"{cell:>18}" for cell in _Cells(row)) for row in study.rows]
-    return "\n".join([*lines, "", _LiftingWords(study.liftings), "",
+    table = Aligned([HEAD, *map(_Cells, study.rows)], numbers=True)
+    return "\n".join([f"Stability: {study.title}", "", *table, "", _LiftingWords(study.liftings), "",
                       "Critical penalty: the form is coercive above it.  Coercivity, boundedness: with penalty='auto'",
                       "c |||v|||^2 <= B(v, v) and B(u, v) <= C |||u||| |||v|||."])
 
 
 def _Table(head, rows):
-    return ["| " + " | ".join(head) + " |", "|---" * len(head) + "|", *("| " + " | ".join(row) + " |" for row in rows), ""]
+    return [*Piped([head, *rows]), ""]
 
 
 def Markdown(study):

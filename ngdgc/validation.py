@@ -5,7 +5,7 @@ from ngsolve import CF, L2, GridFunction, Mesh
 
 from .coefficients import ValuesAt, VectorsAt
 from .exceptions import ProblemError
-from .facets import RigidMotions, RigidMotionsAt, VolumePoints
+from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
 from .quadrature import BoundaryQuadrature
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
@@ -135,14 +135,13 @@ def FreeMotion(facets, supports):
 def Springs(facets, space, matrix):
     """How much a matrix (scipy) on a space resists rigid motions, matrices (parts, modes, modes) of no unit."""
     dim, (centres, size) = facets.mesh.dim, _Centres(facets)
-    here, function, grams = GridFunction(L2(facets.mesh, order=0)), GridFunction(space), []
+    here, grams = GridFunction(L2(facets.mesh, order=0)), []
     for part, centre in enumerate(centres):
         here.vec.FV().NumPy()[:] = facets.component == part
         modes = []
         for mode, shift in zip(RigidMotions(dim), RigidMotionsAt(centre[None])):
             turning = len(modes) >= dim
-            function.Set(here * ((mode - CF(tuple(shift[0]))) / size if turning else mode))
-            modes.append(function.vec.FV().NumPy().copy())
+            modes.append(Projected(space, here * ((mode - CF(tuple(shift[0]))) / size if turning else mode)))
         gram = np.array(modes) @ (matrix @ np.array(modes).T)
         grams.append((gram + gram.T) / (2 * np.abs(np.trace(gram)) or 1))
     return np.array(grams)

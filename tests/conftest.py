@@ -9,11 +9,13 @@ if "PYTEST_XDIST_WORKER" in os.environ:
 import numpy as np
 import pytest
 from netgen.meshing import Element1D
-from ngsolve import CF, GridFunction, y
+from ngsolve import CF, GridFunction, x, y
 
-from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, TrescaFriction)
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
+                   HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, TrescaFriction)
+from ngdgc.cases import example_4_2
 from ngdgc.cli import Main
+from ngdgc.meshes import BoxMesh, RectangleMesh
 
 METHODS = [InteriorPenalty(), InteriorPenalty(penalty=30), Conforming()]
 
@@ -39,6 +41,33 @@ def Example(stiffness=450.0, *, plane="strain", friction=1.0, **replacements):
                  "foundation": Foundation("bottom", NormalCompliance(stiffness), friction=TrescaFriction(friction), gap=0.05),
                  "dirichlet": {"right": CF((0, 0))}, "traction": {"left": CF((200 * (5 - y), -190))}, **replacements}
     return ContactProblem(**arguments)
+
+
+def Pressed(foundation, mesh, u=(0.03, -0.05), *, method=InteriorPenalty(), order=1):
+    """The solution of a block, E = 1000, nu = 0.3, pressed on its foundation by the displacement of its top."""
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": CF(u)})
+    return NestedNewtonSolver().Solve(Discretization(problem, method, mesh, order=order))
+
+
+@pytest.fixture(scope="session")
+def lifting():
+    """Example 4.2: half of the bottom presses and slips."""
+    return example_4_2.Main(n=8)
+
+
+@pytest.fixture(scope="session")
+def varying():
+    """Two foundations, one with a stiffness that varies; separation, stick and slip."""
+    return Pressed((Foundation("bottom", NormalCompliance(2000 * (1 + x)), friction=CoulombFriction(0.3)),
+                    Foundation("right", NormalCompliance(300, exponent=0.5), gap=0.01, friction=TrescaFriction(2))),
+                   RectangleMesh(6), order=2)
+
+
+@pytest.fixture(scope="session")
+def solid():
+    """A block in space that leaves its foundation, sticks and slips."""
+    return Pressed(Foundation("bottom", NormalCompliance(100), friction=CoulombFriction(0.4), gap=0.1 * x),
+                   BoxMesh(2, cells="hex"), (0.05, 0.02, -0.04), method=LDG())
 
 
 def AddSides(mesh, sides):

@@ -165,6 +165,7 @@ def test_quick_atlas_writes_table_page_figures_and_file(quick):
     for name in ("stiffness", "coefficient", "size"):
         assert f"(images/atlas_{name}.png)" in page
         assert all((folder / f"atlas_{name}.png").stat().st_size > 5000 for folder in (quick, quick / "docs" / "images"))
+    assert "](atlas.csv)" in page
     # At the paper's tolerance; an iteration that shrinks its error by 1 % a step stops a hundred times farther off.
     assert max(float(row["difference"]) for row in solved if row["difference"]) < 1e-5
     assert {row["reason"] for row in rows if row["stiffness"] == "1000" and row["solver"] in EXPLICIT} == {

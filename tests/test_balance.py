@@ -1,14 +1,19 @@
 """Forces and moments: every element for DG, the whole body for H1; a flux without its penalty must fail."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from conftest import METHODS, Example
-from ngsolve import CF, exp, sin, x, y
+from ngsolve import CF, GridFunction, VectorH1, VectorL2, exp, sin, x, y
 from test_forms import ORTHOTROPIC, Distorted, Ring, Tilted
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, SemismoothNewtonSolver, TrescaFriction)
 from ngdgc.exact import AffinePatch
+from ngdgc.facets import Projected
 from ngdgc.meshes import RectangleMesh
 from ngdgc.resultants import RigidBasis
 from ngdgc.skeleton import Clamped, Interior
@@ -119,3 +124,39 @@ def test_fluxes_are_single_valued_up_to_sign():
     solution = SemismoothNewtonSolver().Solve(disc)
     flux = disc.form.Fluxes(solution.gfu)[None]
     assert np.abs(RigidBasis(disc.space) @ flux).max() < 1e-9 and np.abs(flux).max() > 1
+
+
+LARGE = """
+from ngsolve import CF, GridFunction
+from ngdgc import Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, NormalCompliance, Solve
+from ngdgc.meshes import BoxMesh
+
+problem = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)), bodyforce=(0, 0, -1),
+                         dirichlet={"top": CF((0, 0, 0))})
+solution = Solve(Discretization(problem, Conforming(), BoxMesh(1, cells="hex"), order=6))
+print(solution.GlobalImbalance())
+try:
+    GridFunction(solution.disc.space).Set(CF((1, 0, 0)))
+except Exception as error:
+    print(error)
+"""
+
+
+def test_large_elements_balance(tmp_path):
+    """Hexahedra of order 6 with one thread of NGSolve, whose own projection into the space overflows its heap."""
+    done = subprocess.run([sys.executable, "-P", "-c", LARGE], cwd=tmp_path, env=os.environ | {"NGS_NUM_THREADS": "1"},
+                          capture_output=True, text=True)
+    imbalance, _, control = done.stdout.partition("\n")
+    assert float(imbalance) < 1e-10, done.stderr
+    assert "Local Heap overflow" in control
+
+
+def test_projection_by_components_is_the_one_of_all():
+    """Curved elements, and a function that is in no space; one component alone is another function."""
+    function = CF((exp(x) * y, sin(3 * y)))
+    for space in (VectorH1(Ring(3, 0.4), order=3), VectorL2(Ring(3, 0.4), order=2, dgjumps=True)):
+        expected = GridFunction(space)
+        expected.Set(function)
+        found = Projected(space, function)
+        assert np.abs(found - expected.vec.FV().NumPy()).max() < 1e-12
+        assert np.abs(found - Projected(space, CF((exp(x) * y, 0)))).max() > 0.1

@@ -4,6 +4,7 @@ import ast
 import doctest
 import html
 import importlib
+import json
 import re
 import sys
 from dataclasses import fields, is_dataclass
@@ -19,7 +20,7 @@ from ngdgc.meshes import RectangleMesh
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
 sys.path.insert(0, str(DOCS))
-TOOLS = {name: importlib.import_module(name) for name in ("apidoc", "check", "galleries", "offline", "tables")}
+TOOLS = {name: importlib.import_module(name) for name in ("apidoc", "check", "downloads", "galleries", "offline", "tables")}
 sys.path.remove(str(DOCS))
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in DOCS.glob("*.md")}
 BUILT = {"gallery/index"}       # pages that the build makes
@@ -167,6 +168,18 @@ def test_gallery_page_has_pictures_scene_and_numbers(tmp_path, monkeypatch):
     assert "\nngdgc run cases/winkler.py --out results/\n" in page
     assert re.search(r"\| u_n \[m\] \| 0\.3 \| 0\.3 \| [+-]\S+ % \|", page)
     assert "webgui" in (tmp_path / "winkler.scene.html").read_text(encoding="utf-8")
+
+
+def test_notebooks_offer_their_files():
+    """Below the title, and nothing else of them is changed."""
+    for path in sorted((DOCS / "notebooks").glob("*.ipynb")):
+        source = path.read_text(encoding="utf-8")
+        given, shown = json.loads(source), json.loads(TOOLS["downloads"].Offered(source, path.name))
+        before, after = ("".join(notebook["cells"].pop(0)["source"]) for notebook in (given, shown))
+        assert shown == given
+        title, link, rest = after.split("\n\n", 2)
+        assert link == f"{{download}}`Download this notebook <{path.name}>`" and link not in before
+        assert title.startswith("# ") and f"{title}\n\n{rest}" == before
 
 
 def test_scenes_share_one_viewer(tmp_path):

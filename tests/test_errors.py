@@ -10,9 +10,14 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from mistakes import MISTAKES
 from mistakes_commands import COMMANDS
+from mistakes_data import DATA
 from mistakes_iterations import FAILURES
+from mistakes_laws import LAWS
+from mistakes_problems import PROBLEMS
+from mistakes_results import RESULTS
+from mistakes_solvers import SOLVERS
+from mistakes_studies import STUDIES
 
 import ngdgc
 
@@ -21,7 +26,7 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw")
-ROWS = MISTAKES + COMMANDS + FAILURES
+ROWS = DATA + LAWS + PROBLEMS + RESULTS + SOLVERS + STUDIES + COMMANDS + FAILURES
 
 
 @cache

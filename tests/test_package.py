@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols"],
+LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols", "tables"],
           ["arguments", "casefiles", "coefficients", "storage", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["quadrature"],

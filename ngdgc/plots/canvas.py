@@ -13,6 +13,9 @@ ZONE_COLOURS = ("#DDDDDD", BLUE, ORANGE)      # separation, stick, slip
 FOUNDATION_COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY)
 WIDTH = 5.8     # of a figure [inch]: its 10 pt letters have 6 pt in a column of 3.5 inch
 THICKNESS = 0.18    # of a foundation block, relative to the body
+STOUT = 0.5         # and at most, relative to its length: a narrow one would be a spike
+VISIBLE = 0.02      # but not less than that for its narrowness, relative to the body
+APART = 4           # texts [pixel]
 
 
 def PlaneAxes():
@@ -46,14 +49,29 @@ def Frame(axes):
         height = np.clip((WIDTH - 0.8) * shape, 1.8, 5.0)
         figure.set_size_inches(np.clip(height / shape, 4.4, WIDTH - 0.8) + 0.8, height + 0.8)
         figure.draw_without_rendering()
+        _Part(axes)
         for text in axes.texts:
             axes.update_datalim(axes.transData.inverted().transform(text.get_window_extent().get_points()))
     return figure
 
 
+def _Part(axes):
+    """Move texts above or below a body farther away from it until they lie on no earlier one."""
+    for number, text in enumerate(axes.texts):
+        for other in axes.texts[:number]:
+            # Somewhat apart, as the limits of the axes still change.
+            own, taken = text.get_window_extent(), other.get_window_extent().padded(APART)
+            if text.get_va() in ("bottom", "top") and own.overlaps(taken):
+                way = taken.y0 - own.y1 if text.get_va() == "top" else taken.y1 - own.y0
+                place = axes.transData.transform(text.get_position()) + [0, way]
+                text.set_position(axes.transData.inverted().transform(place))
+
+
 def Thickness(disc, curve):
-    """Of a block behind a curve: a part of the body's extent along the normals, less where the offset would fold."""
-    wanted = THICKNESS * np.ptp(Outline(disc) @ curve.normals.T, axis=0).mean()
+    """Of a block behind a curve: a part of the body's extent along the normals, less where it is narrow or would fold."""
+    outline = Outline(disc)
+    wanted = THICKNESS * np.ptp(outline @ curve.normals.T, axis=0).mean()
+    wanted = min(wanted, max(STOUT * curve.s[-1], VISIBLE * np.ptp(outline, axis=0).max()))
     along, turn = np.diff(curve.coordinates, axis=0), np.diff(curve.normals, axis=0)
     folding = np.sum(along * turn, axis=1)
     folds = folding < -1e-9 * np.linalg.norm(along, axis=1)
@@ -61,9 +79,13 @@ def Thickness(disc, curve):
 
 
 def DrawBlock(axes, curve, gap, thickness, reach=(0, 0)):
-    """The block whose surface is x + gap n; pale where it is drawn beyond its ends by `reach` along the tangents [length]."""
+    """The block whose surface is x + gap n; pale where it is drawn beyond its ends by `reach` along the tangents [length].
+
+    Its back is parallel to Gamma_C, `thickness` below the deepest point: below a steep surface, as a large scale makes one of
+    a narrow hill, a slab would be a pair of spikes.
+    """
     surface = curve.coordinates + gap[:, None] * curve.normals
-    back = surface + thickness * curve.normals
+    back = curve.coordinates + (gap.max() + thickness) * curve.normals
     axes.add_patch(Polygon(np.concatenate([surface, back[::-1]]), facecolor=RED, edgecolor="none", gid="foundation"))
     for end, sign, length in ((0, -1, reach[0]), (-1, 1, reach[1])):
         if length > 0:

@@ -149,7 +149,7 @@ class _Symbols:
                 "arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7, "linewidth": 0.9})
             self.axes.text(*(middle + 0.04 * self.size * Left(n[1])), "g", ha="center", va="center", fontsize=9)
         gap = _Values(ValuesAt, foundation.gap, curves, "gap")
-        return f"foundation\n{_Span('g', gap)}", g[len(g) // 2, 0] + Thickness(self.disc, curve)
+        return f"foundation\n{_Span('g', gap)}", g.max() + Thickness(self.disc, curve)
 
     def BodyForce(self):
         values = VectorsAt(self.problem.bodyforce, VolumePoints(self.disc.mesh, self.disc.order), "bodyforce")

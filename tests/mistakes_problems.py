@@ -1,0 +1,147 @@
+"""Mistakes in problems on a mesh, in their discretisations, methods and liftings, as in `mistakes`."""
+
+import numpy as np
+import scipy.sparse as sp
+from conftest import Example
+from mistakes import HELD, SOFT, Disc, On
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, BilinearForm, LinearForm, Mesh, VectorL2, dx, sqrt, x, y
+
+from ngdgc import (LDG, BassiEtAl, Conforming, Discretization, Foundation, HookeMaterial, InteriorPenalty, Lifting,
+                   SemismoothNewtonSolver, Solve, UzawaSolver)
+from ngdgc.lemmas import CriticalPenalty
+from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.pattern import BlockMatrix
+from ngdgc.stability import ExtremeEigenvalue
+
+SPRING = CF((0, -0.1))
+
+
+def Added(make, disc=None):
+    """A form made of trial and test function, added to a Discretization."""
+    disc = disc or Disc()
+    return disc.Add(make(*disc.space.TnT()))
+
+
+def Inside():
+    """A square with an interface inside."""
+    geometry = SplineGeometry()
+    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"], leftdomain=1)
+    geometry.AddRectangle((0.3, 0.3), (0.7, 0.7), bc="interface", leftdomain=2, rightdomain=1)
+    return Mesh(geometry.GenerateMesh(maxh=0.4))
+
+
+def Refined():
+    disc = Disc()
+    disc.mesh.Refine()
+    return disc.form
+
+
+def Curved():
+    disc = Disc()
+    disc.mesh.Curve(2)
+    return disc.form
+
+
+def Assembled():
+    disc = Disc()
+    assert disc.matrix.height
+    return Added(lambda u, v: BilinearForm(u * v * dx), disc)
+
+
+def Elsewhere():
+    space = VectorL2(RectangleMesh(2), order=1)
+    u, v = space.TnT()
+    return Disc().Add(BilinearForm(u * v * dx))
+
+
+def Condensed():
+    disc = Disc(Conforming(), order=2)
+    u, v = disc.space.TnT()
+    form = BilinearForm(disc.space, condense=True)
+    form += u * v * dx
+    return disc.Add(form)
+
+
+def Unrelated():
+    """Blocks for a mesh in which no element has a neighbour."""
+    space = VectorL2(RectangleMesh(2), order=1, dgjumps=True)
+    return BlockMatrix(space, np.arange(0, 3 * space.mesh.ne + 1, 3), sp.csr_matrix((space.mesh.ne,) * 2), 1)
+
+
+def Extreme():
+    """Loads and a modulus whose quotient is no number."""
+    return Disc(traction={"left": CF((1e300, 1e308))}, material=HookeMaterial(E=1e-200, nu=0.3))
+
+
+FLOATING = {"dirichlet": None, "traction": None, "foundation": On()}
+PROBLEMS = [
+    # Problems on a mesh.
+    (lambda _: Example(material=2000), "material is 2000 | a HookeMaterial or an AnisotropicMaterial | give"),
+    (lambda _: Example(foundation=[]), "foundation is [] | at least one | give a Foundation"),
+    (lambda _: Example(dirichlet="right"), "dirichlet is 'right' | a dictionary {region: value} | give"),
+    (lambda _: Example(bodyforce=(0, 0, 1)), "bodyforce: 3 | different dimensions | give all of them"),
+    (lambda _: Disc(mesh=3), "mesh is 3 | an ngsolve.Mesh, for example Mesh( | give"),
+    (lambda _: Disc(mesh=Mesh(SplineGeometry().GenerateMesh())),
+     "0 volume elements | a mesh of an area in 2D or a volume | needs"),
+    (lambda _: Disc(mesh=BoxMesh(1)), "the mesh has dimension 3 | the data of the problem have 2 | give both the same"),
+    (lambda _: Disc(dirichlet={"rihgt": SPRING}),
+     "dirichlet region 'rihgt' | matches no boundary | choose among bottom, left, right, top"),
+    (lambda _: Disc(dirichlet={"right|bottom": SPRING}),
+     "boundary 'bottom' is claimed twice | must not overlap | give it to one"),
+    (lambda _: Disc(mesh=Inside(), foundation=Foundation("interface", SOFT)),
+     "foundation region 'interface' | for the outer boundary only | rename the interface or the region"),
+    (lambda _: Disc(roller={"top": 0}, traction={"top": CF((1, 1))}),
+     "traction['top'] has a normal component on a roller | normal displacement is prescribed | give the tangential part"),
+    (lambda _: Disc(**FLOATING),
+     "the body floats: nothing resists translation along x | neither dirichlet nor roller | hold it with"),
+    (lambda _: Disc(bodyforce=CF((sqrt(y - 0.03), 0)), order=5).loads, "bodyforce is not finite | quadrature point | look for"),
+    (lambda _: Solve(Example()),
+     "a ContactProblem has neither mesh nor method | a Discretization has both | give Solve(Discretization(problem"),
+    # Discretisations.
+    (lambda _: Discretization("4.1", LDG(), RectangleMesh(1)), "problem is '4.1' | a ContactProblem | give"),
+    (lambda _: Disc(InteriorPenalty), "method is <class | an object such as InteriorPenalty() or Conforming() | give"),
+    (lambda _: Disc(order=0), "order is 0 | an integer of at least 1 | must be"),
+    (lambda _: Disc(assembly="fast"), "assembly is 'fast' | 'facet' or 'skeleton' | choose"),
+    (lambda _: Curved(), "the mesh was refined or curved | after the Discretization was made | make a new one"),
+    (lambda _: Refined(), "the mesh was refined | after the Discretization was made | make a new one"),
+    (lambda _: Disc().Add(3), "form is 3 | BilinearForm or LinearForm on disc.space | give"),
+    (lambda _: Elsewhere(), "form lives on another space | disc.space | make it on"),
+    (lambda _: Assembled(), "the matrix or the load is there already | right after the Discretization is made | add forms"),
+    (lambda _: Added(lambda u, v: LinearForm(CF((1 / (x - x), 0)) * v * dx)),
+     "the added form | is not finite | look for a division"),
+    (lambda _: Condensed(), "form is no sparse square matrix | without condense | make it BilinearForm(disc.space)"),
+    (lambda _: Added(lambda u, v: BilinearForm((u * u) * (u * v) * dx)),
+     "form is not linear | only bilinear forms | can be added"),
+    (lambda _: Added(lambda u, v: BilinearForm(-1e6 * u * v * dx)).matrix,
+     "with the forms that were added B_h | is not coercive (smallest eigenvalue -1.17e+03 | look at their sign and size"),
+    (lambda _: UzawaSolver().Solve(Disc(**HELD)),
+     "held by its foundation alone | iteration has no first step | take Solve(disc)"),
+    (lambda _: UzawaSolver().Solve(Extreme()),
+     "the elastic matrix cannot be factorised | response to the loads is not finite | look for coefficients of extreme size"),
+    (lambda _: SemismoothNewtonSolver().Solve(Extreme()),
+     "the elastic matrix cannot be factorised | response to the loads is not finite | look for coefficients of extreme size"),
+    (lambda _: Solve(Disc(InteriorPenalty(penalty=2))),
+     "penalty=2 loses coercivity | smallest eigenvalue -2.26 | penalty='auto'"),
+    (lambda _: Solve(Disc(BassiEtAl(liftorder=1), order=3)),
+     "penalty=auto loses coercivity | stress is not in the lifting space | take form='lifting'"),
+    (lambda _: CriticalPenalty(Example(), BassiEtAl, RectangleMesh(2), order=3, liftorder=1),
+     "BassiEtAl(penalty=1.0, liftorder=1) | is not coercive for any penalty | take the other form"),
+    (lambda _: ExtremeEigenvalue(sp.diags(np.logspace(-12, 12, 60)), sp.identity(60), lambda b: b, "SA"),
+     "no eigenvalue of the form | against its norm | look for coefficients of extreme size"),
+    (lambda _: Unrelated(), "NGSolve's matrix has another pattern | the elements' neighbours | take assembly='skeleton'"),
+    # Methods and liftings.
+    (lambda _: LDG(penalty=0), "penalty is 0 | 'auto' or a positive number | give"),
+    (lambda _: LDG(weighting="E"), "weighting is 'E' | 'mu' or 'C' | choose"),
+    (lambda _: BassiEtAl(weighting="mu"), "weighting='mu' does not apply to Bassi | r_e is weighted by C | leave it out"),
+    (lambda _: LDG(form="weak"), "form is 'weak' | 'edge' or 'lifting' | choose"),
+    (lambda _: BassiEtAl(singular=1), "singular is 1 | True or False | give"),
+    (lambda _: LDG(liftorder=-1), "liftorder is -1 | an integer of at least 0 | must be"),
+    (lambda _: InteriorPenalty(liftorder=1),
+     "liftorder=1 does not apply to the edge form of IP | it lifts nothing | leave it out"),
+    (lambda _: BassiEtAl(liftorder=0), "liftorder=0 makes Bassi singular | r_e with constants | take liftorder >= 1"),
+    (lambda _: Lifting(Disc(Conforming())), "method H1 has no jumps | to lift | take a discontinuous one"),
+    (lambda _: Lifting(Disc(), order=-1), "order is -1 | the degree of the lifting space | must be an integer >= 0"),
+    (lambda _: Lifting(Disc()).Matrix(99), "facet is 99 | the mesh has the facets 0 ... | give the number"),
+    (lambda _: Lifting(Disc()).Global(3), "gfu is 3 | on the space of the discretisation | give a GridFunction"),
+    (lambda _: Solve(Disc(Conforming())).flux, "method H1 has no numerical flux | a discontinuous one | take")]

@@ -1,0 +1,48 @@
+"""Mistakes with solutions, pictured or saved, as in `mistakes`."""
+
+import json
+
+from conftest import Example
+from mistakes import Block, Disc
+
+from ngdgc import ContactSolution, Solve
+from ngdgc.export import Animation
+from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure
+
+
+def Saved(folder):
+    Solve(Disc()).Save(folder)
+    return folder
+
+
+def OtherFormat(folder):
+    description = json.loads((Saved(folder) / "solution.json").read_text())
+    (folder / "solution.json").write_text(json.dumps({**description, "format": 0}))
+    return folder
+
+
+def NoMesh(folder):
+    (Saved(folder) / "mesh.vol.gz").unlink()
+    return folder
+
+
+RESULTS = [
+    # Pictures.
+    (lambda _: ComparisonFigure([]), "solutions is [] | a dictionary of ContactSolutions by their labels | give"),
+    (lambda _: ComparisonFigure({"plane": Solve(Disc()), "solid": Solve(Block())}),
+     "solution 'solid' has | the first one | compare solutions of one problem"),
+    (lambda _: ComparisonFigure({"IP": Disc()}),
+     "solution 'IP' is Discretization( | a ContactSolution | which Solve(disc) returns"),
+    (lambda _: Animation([Solve(Disc()), Example()]), "solution 2 is ContactProblem( | a ContactSolution | give"),
+    (lambda _: DeformedFigure(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
+    (lambda _: SettingFigure(Solve(Disc())),
+     "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),
+    (lambda _: Animation([]), "given are 0 | of one dimension and order | give load steps of one Discretization"),
+    # Saved solutions.
+    (lambda folder: ContactSolution.Load(folder, Example()),
+     "holds no saved solution | ContactSolution.Save has written | give a folder"),
+    (lambda folder: ContactSolution.Load(NoMesh(folder), Example()),
+     "mesh.vol.gz is missing | ContactSolution.Save | give a folder"),
+    (lambda folder: ContactSolution.Load(OtherFormat(folder), Example()), "has format 0 | this version reads 1 | save it anew"),
+    (lambda folder: ContactSolution.Load(Saved(folder), Example(stiffness=400.0)),
+     "was computed with another problem | its pressures differ | give the one it was saved with")]

@@ -1,0 +1,88 @@
+"""Mistakes in the inverses of matrices and in solvers, as in `mistakes`."""
+
+from contextlib import contextmanager
+from types import SimpleNamespace
+from unittest.mock import patch
+
+import numpy as np
+import psutil
+import scipy.sparse as sp
+from conftest import Example
+from mistakes import Block, Disc, Nonsymmetric
+
+from ngdgc import Conforming, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver, inverses
+from ngdgc.facets import Csr, Native
+from ngdgc.iterative import IterativeInverse
+from ngdgc.meshes import BoxMesh
+
+
+@contextmanager
+def Memory(available):
+    with patch.object(psutil, "virtual_memory", return_value=SimpleNamespace(available=available)):
+        yield
+
+
+def Interrupted(number):
+    """Ctrl-C at an iteration, or before the first."""
+    def Stop(step):
+        if step.number == number:
+            raise KeyboardInterrupt
+
+    disc = Disc()
+    if number == 0:
+        with patch.object(disc, "FreeSolution", side_effect=KeyboardInterrupt):
+            UzawaSolver().Solve(disc)
+    UzawaSolver().Solve(disc, callback=Stop)
+
+
+def WithoutMkl():
+    with patch.object(inverses, "HasPardiso", return_value=False):
+        return Disc(inverse="pardisospd").inversekind
+
+
+def TooLarge(**options):
+    disc = Disc(**options)
+    assert disc.matrix.height
+    with Memory(1000):
+        return disc.inverse
+
+
+def Indefinite(disc):
+    return IterativeInverse(disc, Native(Csr(disc.matrix) - 10 * sp.eye(disc.space.ndof))).Solve(disc.load)
+
+
+SOLVERS = [
+    # Inverses.
+    (lambda _: Disc(inverse="lu").inversekind, "inverse is 'lu' | auto, sparsecholesky | choose"),
+    (lambda _: Nonsymmetric().inversekind, "inverse='sparsecholesky' | is for symmetric matrices | take inverse='auto'"),
+    (lambda _: WithoutMkl(),
+     "inverse='pardisospd' | needs the library MKL | install them, pip install --upgrade ngdgc[mkl] ngsolve"),
+    (lambda _: TooLarge(), "the factors of 48 unknowns | GB are free | take inverse='iterative'"),
+    (lambda _: IterativeInverse(Disc(Conforming()), None),
+     "H1 is none | a symmetric discontinuous method | take inverse='auto'"),
+    (lambda _: IterativeInverse(Block(), Block().matrix).Solve(np.full(192 * 3, np.nan)),
+     "the load | is not finite | look for a division"),
+    (lambda _: IterativeInverse(Block(), Block().matrix, maxiter=2).Solve(Block().load),
+     "conjugate gradients came to | instead of 1.0e-08 in 2 steps | take inverse='sparsecholesky'"),
+    (lambda _: Indefinite(Block()),
+     "the matrix is not positive definite | nothing holds the body, or the penalty is too small | add dirichlet"),
+    # Solvers.
+    (lambda _: UzawaSolver(normal="both"), "normal is 'both' | 'explicit' or 'implicit' | choose"),
+    (lambda _: UzawaSolver(acceleration="aitken"), "acceleration is 'aitken' | None or 'anderson' | choose"),
+    (lambda _: UzawaSolver(rho="adaptive"), "rho is 'adaptive' | for normal='implicit' without acceleration | take rho='auto'"),
+    (lambda _: UzawaSolver(rho=0), "rho is 0 | 'auto', a positive number | give"),
+    (lambda _: UzawaSolver(tol=0), "tol is 0 | a number between 0 and 1 | give"),
+    (lambda _: UzawaSolver(maxiter=0), "maxiter is 0 | a positive integer | give"),
+    (lambda _: UzawaSolver().Solve(Example()),
+     "disc is ContactProblem | Discretization(problem, method, mesh, order=1) | give"),
+    (lambda _: SemismoothNewtonSolver(tol=2), "tol is 2 | a number between 0 and 1 | give"),
+    (lambda _: SemismoothNewtonSolver(maxiter=1.5), "maxiter is 1.5 | a positive integer | give"),
+    (lambda _: SemismoothNewtonSolver().Solve(None), "disc is None | Discretization(problem, method, mesh, order=1) | give"),
+    (lambda _: SemismoothNewtonSolver().Solve(Disc(), start=(1, 2)),
+     "start has shapes [(), ()] | at the contact points | give displacement"),
+    (lambda _: NestedNewtonSolver(coarser=[4]), "coarser is [4] | a sequence of ngsolve.Mesh, coarse ones first | give"),
+    (lambda _: NestedNewtonSolver().Solve(None), "disc is None | Discretization(problem, method, mesh, order=1) | give"),
+    (lambda _: NestedNewtonSolver(coarser=[BoxMesh(1)]).Solve(Disc()),
+     "coarser: the mesh has dimension 3 | have 2 | give both"),
+    (lambda _: Interrupted(3), "interrupted | after 3 iterations | the last iterate is its attribute solution"),
+    (lambda _: Interrupted(0), " |  | ")]

@@ -34,7 +34,8 @@ class Cost:
     coarse : all coarser meshes;  inverse : factorisations, or preconditioners, on the finest mesh
     contact : what is left of the solver on the finest mesh, with the loads;  total : everything, from mesh to solution
     factorisation, solve : of the matrix by NGSolve's sparse Cholesky, the reference; empty where that was not run
-    kind : of the inverse;  iterations : Newton's, on the finest mesh;  solves : applications of the inverse there
+    kind : of the inverse;  iterations : of the solver, on the finest mesh;  solves : applications of the inverse there
+    cycles : steps of conjugate gradients there;  linear : those of one linear equation alone; 0 for a factorisation
     peak : largest memory of the process until the solution was there [MiB]
     """
 
@@ -44,6 +45,8 @@ class Cost:
     kind: str
     iterations: int
     solves: int
+    cycles: int
+    linear: int
     peak: float
     setup: np.ndarray
     assembly: np.ndarray
@@ -97,13 +100,21 @@ def _Measure(point, inverse, repeat):
         setup, assembly, solver = np.diff(times)
         contact = finest.seconds - finest.factorisation
         row = [setup, assembly, solver - finest.seconds, finest.factorisation, contact, times[-1] - times[0]]
-        known = (disc.space.ndof, matrix.nze, disc.inversekind, finest.iterations, finest.solves)
         del solution    # its factors, before those of the reference are made
+        known = (disc.space.ndof, matrix.nze, disc.inversekind, finest.iterations, finest.solves, finest.cycles, _Linear(disc))
         disc.__dict__.pop("inverse", None)
         rows.append([*row, *(_Reference(disc) if disc.mesh.dim == 2 or disc.space.ndof <= FITS else [])])
         del disc, matrix
     columns = [*np.array(rows).T, *([np.array([])] * 2 if len(rows[0]) == 6 else [])]
     return Cost(point, *known, peak, *columns)
+
+
+def _Linear(disc):
+    """Steps of conjugate gradients for the response to the loads without foundation."""
+    if disc.inversekind != "iterative":
+        return 0
+    disc.inverse.Solve(disc.load, tol=TOL)
+    return disc.inverse.iterations
 
 
 def _Reference(disc):

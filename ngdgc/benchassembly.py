@@ -9,6 +9,7 @@ from .bench import Alone, PeakMemory
 from .cases import example_4_1
 from .discretization import Discretization
 from .facets import Threads
+from .tables import Aligned
 from .variants import Label
 
 
@@ -73,5 +74,4 @@ def Text(rows):
     for row in rows:
         medians = [f"{np.median(times):.2f}" for times in (row.setup, row.assembly, row.factorisation)]
         cells.append((row.label, str(row.dofs), str(row.entries), *medians, f"{row.ratio:.2f}", f"{row.peak:.0f}"))
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    return "\n".join("  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in cells)
+    return "\n".join(Aligned(cells, numbers=True))

@@ -4,9 +4,10 @@ import numpy as np
 
 from .bench import TOL, Growth
 from .plots import GrowthFigure
+from .tables import Aligned, Piped
 
 HEADER = ("problem", "unknowns", "setup", "assembly", "coarse", "inverse", "contact", "total", "reference", "total/reference",
-          "steps", "solves", "by", "peak [GiB]")
+          "steps", "solves", "cycles", "alone", "by", "peak [GiB]")
 
 
 def _Cells(cost):
@@ -14,8 +15,9 @@ def _Cells(cost):
     medians = [f"{np.median(times):.2f}" for times in (cost.setup, cost.assembly, cost.coarse, cost.inverse, cost.contact,
                                                        cost.total)]
     reference = [f"{np.median(cost.reference):.2f}", f"{cost.ratio:.2f}"] if len(cost.reference) else ["", ""]
+    cycles = [str(cost.cycles), str(cost.linear)] if cost.linear else ["", ""]
     return [f"{point.method}, k = {point.order}, n = {point.n}", f"{cost.dofs}", *medians, *reference, str(cost.iterations),
-            str(cost.solves), cost.kind, f"{cost.peak / 1024:.2f}"]
+            str(cost.solves), *cycles, cost.kind, f"{cost.peak / 1024:.2f}"]
 
 
 def _Growths(benches):
@@ -31,9 +33,7 @@ def Text(benches, peers):
     """
     lines = []
     for name, costs in benches.items():
-        cells = [HEADER, *map(_Cells, costs)]
-        widths = [max(map(len, column)) for column in zip(*cells)]
-        lines += ["", name, *("  ".join(cell.rjust(width) for cell, width in zip(row, widths)) for row in cells)]
+        lines += ["", name, *Aligned([HEADER, *map(_Cells, costs)], numbers=True)]
     lines += ["", *(f"{name}: time grows as unknowns^{exponent:.2f}" for name, exponent in _Growths(benches)), "", *peers]
     return "\n".join(lines[1:])
 
@@ -60,14 +60,15 @@ def Figures(benches):
 INTRODUCTION = """# Performance
 
 Written by `ngdgc bench --page docs/performance.md`; nothing on this page is typed by hand but the explanations.  Seconds are
-medians over {repeat} runs, of the largest problems over one, on {processors} processors, and vary with the machine; what
-counts are ratios to the *reference* of the same run: NGSolve's sparse Cholesky factorisation of the same matrix and one solve
-with it (where its factors are too large it is left out).  Everything is solved to a law residual of {tol:g} by `Solve(disc)`.
+{runs} on {processors} processors, and vary with the machine; what counts are
+ratios to the *reference* of the same run: NGSolve's sparse Cholesky factorisation of the same matrix and one solve with it (where
+its factors are too large it is left out).  Everything is solved to a law residual of {tol:g} by `Solve(disc)`.
 
 * setup: spaces, checks of the data, the contact boundary;  assembly: the matrix, with penalty and coercivity check
 * coarse: everything on coarser meshes;  inverse: factorisation on the finest mesh, or the preconditioner
 * contact: loads, Newton steps and their solves on the finest mesh;  total: from the mesh in memory to the solution
-* steps: of Newton's method, and solves: applications of the inverse, both on the finest mesh
+* steps: of Newton's method, or corrections, and solves: applications of the inverse, both on the finest mesh
+* cycles: steps of conjugate gradients for all of that, where they are the inverse;  alone: for one linear equation to {tol:g}
 * by: how the linear equations are solved, as chosen by the size;  peak: the largest memory of the process
 """
 
@@ -75,11 +76,11 @@ with it (where its factors are too large it is left out).  Everything is solved 
 def Page(benches, peers, processors):
     """The page, Markdown; its figure is images/performance.png of `Figures`."""
     repeat = max(len(cost.total) for costs in benches.values() for cost in costs)
-    lines = [INTRODUCTION.format(tol=TOL, processors=processors, repeat=repeat)]
+    runs = f"medians over {repeat} runs, of the largest problems over one," if repeat > 1 else "of one run"
+    lines = [INTRODUCTION.format(tol=TOL, processors=processors, runs=runs)]
     if _Growths(benches):
         lines += ["![Time against unknowns](images/performance.png)", ""]
         lines += [*(f"* {name}: time grows as unknowns^{exponent:.2f}" for name, exponent in _Growths(benches)), ""]
     for name, costs in benches.items():
-        lines += [f"## {name}", "", "| " + " | ".join(HEADER) + " |", "|---" * len(HEADER) + "|",
-                  *("| " + " | ".join(_Cells(cost)) + " |" for cost in costs), ""]
+        lines += [f"## {name}", "", *Piped([HEADER, *map(_Cells, costs)]), ""]
     return "\n".join([*lines, "## Other codes", "", *(f"* {line}" for line in peers), ""])

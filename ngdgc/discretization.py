@@ -14,7 +14,7 @@ from .coefficients import LOADBONUS, Unfolded
 from .contact import ContactBoundary
 from .equations import LinearEquations
 from .exceptions import ProblemError
-from .facets import Csr, Facets, Native, Threads
+from .facets import Csr, Facets, Native, Projected, Threads
 from .inverses import Inverse, Kind
 from .problem import ContactProblem
 from .protocols import Array, Method
@@ -217,11 +217,7 @@ class Discretization(LinearEquations):
     @cached_property
     def resultant(self) -> Array:
         """The sum of all loads, (d,) [stress length^(d-1)]."""
-        function, force = GridFunction(self.space), []
-        for direction in np.eye(self.mesh.dim):
-            function.Set(CF(tuple(direction)))
-            force.append(function.vec.FV().NumPy() @ self.load)
-        return np.array(force)
+        return np.array([Projected(self.space, CF(tuple(axis))) @ self.load for axis in np.eye(self.mesh.dim)])
 
     shift = 0.0     # displacement of Gamma_C that is not in the space, as `subspace.Subspace` has one
 

@@ -80,6 +80,7 @@ SOLVERS = [
     (lambda _: SemismoothNewtonSolver().Solve(None), "disc is None | Discretization(problem, method, mesh, order=1) | give"),
     (lambda _: SemismoothNewtonSolver().Solve(Disc(), start=(1, 2)),
      "start has shapes [(), ()] | at the contact points | give displacement"),
+    (lambda _: Disc().Solve(callback="print"), "callback is 'print' | a function of a Step | such as print"),
     (lambda _: NestedNewtonSolver(coarser=[4]), "coarser is [4] | a sequence of ngsolve.Mesh, coarse ones first | give"),
     (lambda _: NestedNewtonSolver().Solve(None), "disc is None | Discretization(problem, method, mesh, order=1) | give"),
     (lambda _: NestedNewtonSolver(coarser=[BoxMesh(1)]).Solve(Disc()),

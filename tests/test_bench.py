@@ -40,16 +40,28 @@ def test_cost_is_that_of_the_solution_it_names():
     finest = disc.Solve(tol=bench.TOL).levels[-1]
     assert (cost.dofs, cost.entries, cost.kind) == (disc.space.ndof, disc.matrix.nze, "sparsecholesky")
     assert (cost.iterations, cost.solves) == (finest.iterations, finest.solves) and 0 < cost.peak < 4096
+    assert cost.cycles == cost.linear == 0
     parts = [cost.setup, cost.assembly, cost.coarse, cost.inverse, cost.contact]
     assert all(times.shape == (2,) and np.all(times > 0) for times in [*parts, cost.factorisation, cost.solve])
     assert np.allclose(sum(parts), cost.total, rtol=1e-9)
     assert cost.ratio == pytest.approx(np.mean(cost.total / (cost.factorisation + cost.solve)))     # the median of two
 
 
+def test_cost_of_an_iteration_counts_its_steps():
+    cost = bench.Measure(Point(problem="box", n=3), repeat=1, inverse="iterative")
+    disc = Discretization(Point(problem="box", n=3).contactproblem, InteriorPenalty(), Point(problem="box", n=3).Mesh(),
+                          inverse="iterative")
+    assert cost.cycles == disc.Solve(tol=bench.TOL).levels[-1].cycles > cost.solves
+    disc.inverse.Solve(disc.load, tol=bench.TOL)
+    assert cost.linear == disc.inverse.iterations
+    assert f"| {cost.cycles} | {cost.linear} | iterative |" in Page({"a": [cost]}, [], 2)
+
+
 def Costs(*sizes):
     """Costs whose total grows as dofs^1.5."""
     times = dict.fromkeys(("setup", "assembly", "coarse", "inverse", "contact", "factorisation", "solve"), np.ones(1))
-    return [bench.Cost(Point(n=n), 6 * n ** 2, 9, "umfpack", 2, 7, 512.0, **times, total=np.array([n ** 3.0])) for n in sizes]
+    return [bench.Cost(Point(n=n), 6 * n ** 2, 9, "umfpack", 2, 7, 0, 0, 512.0, **times, total=np.array([n ** 3.0]))
+            for n in sizes]
 
 
 def test_growth_is_the_exponent_of_the_size():

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..contact import Scale
-from ..exceptions import NotConvergedError, SolveInterrupted
+from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from ..graph import Distance, Scales
 from ..solution import ContactSolution, Step
 
@@ -30,6 +30,12 @@ def LawResidual(contact, iterate):
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
+def CheckCallback(callback):
+    """Raise ProblemError unless a callback can be called, or is None."""
+    if callback is not None and not callable(callback):
+        raise ProblemError(f"callback is {callback!r}; give a function of a Step, such as print, or None")
+
+
 def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WINDOW, rest=0.0):
     """Run an iteration to its tolerance and return the ContactSolution.
 
@@ -42,6 +48,7 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
     residual has fallen and the path leads nowhere, "roundoff" when the tolerance is out of reach.  `Predict()` returns the
     contraction factor of the iteration at its last iterate, unless it cycles; the solution calls it when it is asked for.
     """
+    CheckCallback(callback)
     history, positions, start = [], [], time.perf_counter()
     iterate = None
 

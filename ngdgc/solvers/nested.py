@@ -15,6 +15,7 @@ from ..coarsening import CoarserMesh
 from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError
 from ..solution import Level
+from .driver import CheckCallback
 from .multistart import Starts
 from .newton import SemismoothNewtonSolver
 
@@ -61,6 +62,7 @@ class NestedNewtonSolver:
         solver = SemismoothNewtonSolver(tol=self.tol)
         if not isinstance(disc, Discretization):
             raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
+        CheckCallback(callback)
         levels, start, meshes = [], None, [*self._Coarse(disc), disc]
         coarse: Any
         solution: Any

@@ -61,8 +61,8 @@ INTRODUCTION = """# Performance
 
 Written by `ngdgc bench --page docs/performance.md`; nothing on this page is typed by hand but the explanations.  Seconds are
 {runs} on {processors} processors, and vary with the machine; what counts are
-ratios to the *reference* of the same run: NGSolve's sparse Cholesky factorisation of the same matrix and one solve with it (where
-its factors are too large it is left out).  Everything is solved to a law residual of {tol:g} by `Solve(disc)`.
+ratios to the *reference* of the same run: NGSolve's sparse Cholesky factorisation of the same matrix and one solve with it
+(where its factors are too large it is left out).  Everything is solved to a law residual of {tol:g} by `Solve(disc)`.
 
 * setup: spaces, checks of the data, the contact boundary;  assembly: the matrix, with penalty and coercivity check
 * coarse: everything on coarser meshes;  inverse: factorisation on the finest mesh, or the preconditioner

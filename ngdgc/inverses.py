@@ -9,14 +9,12 @@ iterative : preconditioned conjugate gradients (`iterative` module), in 3D for m
 
 from functools import cache
 
-import numpy as np
 import psutil
 from ngsolve.la import SparseMatrixd
 
-from .elasticity import StiffnessAt
 from .exceptions import ProblemError
-from .facets import VolumePoints
 from .iterative import DirectMemory, IterativeInverse
+from .solenoidal import Swelling
 
 SYMMETRIC = "sparsecholesky", "pardisospd", "iterative"
 LIKEFACTORS = 1e-11         # relative residual of solutions that take the place of a factorisation's
@@ -68,14 +66,6 @@ def Inverse(disc, matrix, kind):
         raise ProblemError(f"the factors of {disc.space.ndof} unknowns would take about {needed / GIGABYTE:.1f} GB, and "
                            f"{free / GIGABYTE:.1f} GB are free; take {other}, a coarser mesh or a lower order")
     return Factorised(matrix, disc.space.FreeDofs(), kind, disc.mesh.dim)
-
-
-def Swelling(disc):
-    """Largest ratio of volumetric to shear stiffness, (I : C : I)/d over 2 mu; 1 + d lam/(2 mu) for isotropic materials."""
-    dim, material = disc.mesh.dim, disc.problem.material
-    points = VolumePoints(disc.mesh, 0)
-    volumetric = np.einsum("niijj->n", StiffnessAt(material, points, dim)) / dim
-    return float(np.max(volumetric / (2 * material.ShearAt(points))))
 
 
 def Factorised(matrix, freedofs, kind, dim):

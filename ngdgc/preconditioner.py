@@ -16,33 +16,20 @@ steps grows with the aspect ratio.  W_k is therefore continuous across the stron
 which on elements of moderate shape are all of them, W_k = H1.
 """
 
-from itertools import chain, pairwise
+from itertools import chain
 
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import CELL, H1, L2, VOL, ConvertOperator, ElementId, NodeId
 
-from .facets import Csr, Native, RigidMotionsAt
+from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
+from .facets import Native, RigidMotionsAt
+from .solenoidal import SolenoidalLevels, Swelling
 
 STRONG = 0.1
+SWOLLEN = 15            # ratio of volumetric to shear stiffness from which the levels of `solenoidal` are used
 AGGREGATED = 0.05       # |A_ij|^2 >= AGGREGATED^2 |A_ii| |A_jj|: coupling along which vertices are aggregated
 COARSEST = 300          # unknowns that are left to a dense pseudo-inverse
-
-
-def Corners(space):
-    """(element, dof) of all dofs of all elements of a scalar space, sorted, two arrays."""
-    dofs = [element.dofs for element in space.Elements(VOL)]
-    elements = np.repeat(np.arange(len(dofs)), [len(row) for row in dofs])
-    keys = np.sort(elements * space.ndof + np.fromiter(chain.from_iterable(dofs), dtype=np.int64, count=len(elements)))
-    return keys // space.ndof, keys % space.ndof
-
-
-def Groups(keys, values):
-    """Lists of the values with the same key, by increasing key: the blocks of a block smoother."""
-    order = np.argsort(keys, kind="stable")
-    bounds = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1)).tolist()
-    values = values[order].tolist()
-    return [values[a:b] for a, b in pairwise(bounds)]
 
 
 class PartlyContinuous:
@@ -78,9 +65,8 @@ class PartlyContinuous:
     def Embedding(self):
         """E from the vector-valued W_k to V_h, scipy CSR."""
         dim, target = self.mesh.dim, L2(self.mesh, order=self.order)
-        values = Csr(ConvertOperator(self.scalar, target)).tocoo()
-        keep = np.abs(values.data) > 1e-12 * np.abs(values.data).max()
-        rows, columns, entries = values.row[keep].astype(np.int64), values.col[keep].astype(np.int64), values.data[keep]
+        values = Entries(ConvertOperator(self.scalar, target)).tocoo()
+        rows, columns, entries = values.row.astype(np.int64), values.col.astype(np.int64), values.data
         elements, dofs = Corners(target)
         copies = self.Copy(elements[np.argsort(dofs)][rows], columns)
         return sp.csr_matrix((np.tile(entries, dim), (np.concatenate([rows + i * target.ndof for i in range(dim)]),
@@ -139,47 +125,25 @@ class Aggregation:
         x.FV().NumPy()[:] = self._cycle @ b.FV().NumPy()
 
 
-class Cycle:
-    """x = P b: block Gauss-Seidel from zero, the correction E C E' of the rest, block Gauss-Seidel backwards.
-
-    matrix : NGSolve's A;  blocks : lists of dofs, they may overlap;  embedding : E, scipy;  coarse : C, with Mult(b, x)
-    """
-
-    def __init__(self, matrix, blocks, embedding, coarse):
-        self.matrix, self.coarse = matrix, coarse
-        self.smoother = matrix.CreateBlockSmoother(blocks)
-        self.embedding = Native(embedding)
-        self.restriction = self.embedding.CreateTranspose()
-        self.rest = matrix.CreateColVector()
-        self.source, self.target = self.restriction.CreateColVector(), self.embedding.CreateRowVector()
-
-    def Mult(self, b, x):
-        x[:] = 0
-        self.smoother.Smooth(x, b)
-        self.rest.data = b - self.matrix * x
-        self.source.data = self.restriction * self.rest
-        self.coarse.Mult(self.source, self.target)
-        x.data += self.embedding * self.target
-        self.smoother.SmoothBack(x, b)
-
-
-def Galerkin(matrix, embedding):
-    """E' A E without the unsymmetry of round-off, scipy CSR."""
-    product = (embedding.T @ (matrix @ embedding)).tocsr()
-    return (product + product.T) / 2
+def ContinuousLevels(disc, matrix):
+    """(E, C): the embedding of W_k in V_h, and the cycle on it, for a scipy matrix on V_h."""
+    dim, auxiliary = disc.mesh.dim, PartlyContinuous(disc.facets, disc.order)
+    embedding = auxiliary.Embedding()
+    inner = Galerkin(matrix, embedding)
+    vertices = dim * len(auxiliary.vertex)
+    coarse = Aggregation(inner[:vertices, :vertices], auxiliary.RigidMotions(), dim)
+    if disc.order > 1:
+        native, injection = Native(inner), sp.eye(inner.shape[0], vertices, format="csr")
+        coarse = Cycle(native.CreateBlockSmoother(auxiliary.Stars()), Correction(native, injection, coarse))
+    return embedding, coarse
 
 
 def Preconditioner(disc, matrix):
     """The V-cycle for an NGSolve matrix, symmetric positive definite, on the space of a discontinuous Discretization."""
-    dim, auxiliary = disc.mesh.dim, PartlyContinuous(disc.facets, disc.order)
-    embedding = auxiliary.Embedding()
-    inner = Galerkin(sp.csr_matrix(matrix.CSR(), shape=(matrix.height, matrix.width)), embedding)
-    vertices = dim * len(auxiliary.vertex)
-    coarse = Aggregation(inner[:vertices, :vertices], auxiliary.RigidMotions(), dim)
-    if disc.order > 1:
-        injection = sp.eye(inner.shape[0], vertices, format="csr")
-        coarse = Cycle(Native(inner), auxiliary.Stars(), injection, coarse)
-    elements, dofs = Corners(L2(disc.mesh, order=disc.order))
+    mesh, dim = disc.mesh, disc.mesh.dim
+    levels = SolenoidalLevels if Swelling(disc) > SWOLLEN else ContinuousLevels
+    embedding, coarse = levels(disc, sp.csr_matrix(matrix.CSR(), shape=matrix.shape))
+    elements, dofs = Corners(L2(mesh, order=disc.order))
     offsets = np.arange(dim) * (disc.space.ndof // dim)
     blocks = Groups(np.repeat(elements, dim), (dofs[:, None] + offsets).ravel())
-    return Cycle(matrix, blocks, embedding, coarse)
+    return Cycle(matrix.CreateBlockSmoother(blocks), Correction(matrix, embedding, coarse))

@@ -63,8 +63,8 @@ class IterativeInverse(BaseMatrix):
                                "inverse='auto'")
         self.mesh, self.matrix, self.tol, self.maxiter = disc.mesh, matrix, tol, maxiter
         self.iterations, self.solves, self.residual = 0, 0, 0.0
-        with Threads(self.mesh):
-            self.preconditioner = Preconditioner(disc, matrix)
+        # Not in NGSolve's threads, which those of LAPACK would disturb.
+        self.preconditioner = Preconditioner(disc, matrix)
         self._b, self._x, self._r, self._z, self._p, self._q = (matrix.CreateColVector() for _ in range(6))
         self._diagonal = sp.csr_matrix(matrix.CSR(), shape=matrix.shape).diagonal()
 

@@ -24,10 +24,9 @@ from ngsolve import CELL, H1, L2, VOL, ConvertOperator, ElementId, NodeId
 
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 from .facets import Native, RigidMotionsAt
-from .solenoidal import SolenoidalLevels, Swelling
+from .solenoidal import NeedsSolenoidal, SolenoidalLevels
 
 STRONG = 0.1
-SWOLLEN = 15            # ratio of volumetric to shear stiffness from which the levels of `solenoidal` are used
 AGGREGATED = 0.05       # |A_ij|^2 >= AGGREGATED^2 |A_ii| |A_jj|: coupling along which vertices are aggregated
 COARSEST = 300          # unknowns that are left to a dense pseudo-inverse
 
@@ -141,7 +140,7 @@ def ContinuousLevels(disc, matrix):
 def Preconditioner(disc, matrix):
     """The V-cycle for an NGSolve matrix, symmetric positive definite, on the space of a discontinuous Discretization."""
     mesh, dim = disc.mesh, disc.mesh.dim
-    levels = SolenoidalLevels if Swelling(disc) > SWOLLEN else ContinuousLevels
+    levels = SolenoidalLevels if NeedsSolenoidal(disc) else ContinuousLevels
     embedding, coarse = levels(disc, sp.csr_matrix(matrix.CSR(), shape=matrix.shape))
     elements, dofs = Corners(L2(mesh, order=disc.order))
     offsets = np.arange(dim) * (disc.space.ndof // dim)

@@ -22,14 +22,28 @@ tetrahedra.
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import CF, H1, ConvertOperator, Grad, HDiv, VectorH1, VectorL2, grad
+from ngsolve import CF, ET, H1, VOL, ConvertOperator, Grad, HDiv, VectorH1, VectorL2, grad
 
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 from .elasticity import StiffnessAt
 from .facets import Native, VolumePoints
 
-OVER = 4
+SWOLLEN = 10        # ratio of volumetric to shear stiffness from which three solves take less time so, nu = 0.43 in 3D
+OVER = 6
 SHIFT = 1e-10       # of potentials whose curl vanishes, against the diagonal
+
+
+def NeedsSolenoidal(disc):
+    """True if lam is so large that the levels for divergence-free displacements pay, and the mesh one that they are made for.
+
+    NGSolve interpolates normally continuous functions on simplices only.
+    """
+    return Swelling(disc) > SWOLLEN and Simplicial(disc.mesh)
+
+
+def Simplicial(mesh):
+    """True for triangles and tetrahedra."""
+    return all(element.type in (ET.TRIG, ET.TET) for element in mesh.Elements(VOL))
 
 
 def Swelling(disc):
@@ -38,11 +52,6 @@ def Swelling(disc):
     points = VolumePoints(disc.mesh, 0)
     volumetric = np.einsum("niijj->n", StiffnessAt(material, points, dim)) / dim
     return float(np.max(volumetric / (2 * material.ShearAt(points))))
-
-
-def NormallyContinuous(mesh, order):
-    """X_k: NGSolve's space."""
-    return HDiv(mesh, order=order)
 
 
 def VertexStars(space, facets):
@@ -85,7 +94,7 @@ class Factors:
 def SolenoidalLevels(disc, matrix):
     """(E, C): the embedding of X_k in V_h, and the cycle on it, for a scipy matrix on V_h."""
     mesh = disc.mesh
-    space, continuous = NormallyContinuous(mesh, disc.order), VectorH1(mesh, order=1)
+    space, continuous = HDiv(mesh, order=disc.order), VectorH1(mesh, order=1)
     potentials = H1(mesh, order=1) if mesh.dim == 2 else continuous
     embedding = Entries(ConvertOperator(space, VectorL2(mesh, order=disc.order)))
     inner = Galerkin(matrix, embedding)

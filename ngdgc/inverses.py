@@ -14,12 +14,13 @@ from ngsolve.la import SparseMatrixd
 
 from .exceptions import ProblemError
 from .iterative import DirectMemory, IterativeInverse
-from .solenoidal import Swelling
+from .solenoidal import NeedsSolenoidal, Swelling
 
 SYMMETRIC = "sparsecholesky", "pardisospd", "iterative"
 LIKEFACTORS = 1e-11         # relative residual of solutions that take the place of a factorisation's
 LARGE = 50_000      # unknowns in 3D from which conjugate gradients are faster
-SWOLLEN = 15        # largest ratio of volumetric to shear stiffness for which they are: nu = 0.45 in 3D
+HUGE = 200_000      # the same with the levels for nearly incompressible materials
+SWOLLEN = 15        # largest ratio of volumetric to shear stiffness for which they are without: nu = 0.45 in 3D
 LU = 2.5            # memory of an unsymmetric factorisation in units of that of a symmetric one
 GIGABYTE = 1e9
 
@@ -32,7 +33,7 @@ def Kind(disc, wanted):
     if wanted == "auto":
         if not disc.symmetric:
             return "umfpack"
-        if disc.mesh.dim == 3 and disc.method.discontinuous and disc.space.ndof > LARGE and Swelling(disc) < SWOLLEN:
+        if disc.mesh.dim == 3 and disc.method.discontinuous and Iterated(disc):
             return "iterative"
         return Direct()
     if wanted not in (*SYMMETRIC, "umfpack"):
@@ -48,6 +49,13 @@ def Kind(disc, wanted):
 def Direct():
     """The name of the fastest factorisation of symmetric matrices that is installed."""
     return "pardisospd" if HasPardiso() else "sparsecholesky"
+
+
+def Iterated(disc):
+    """True if the preconditioner and a few solves by conjugate gradients take less time than a factorisation in 3D."""
+    if disc.space.ndof <= LARGE:
+        return False
+    return disc.space.ndof > HUGE if NeedsSolenoidal(disc) else Swelling(disc) < SWOLLEN
 
 
 def Inverse(disc, matrix, kind):

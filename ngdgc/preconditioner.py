@@ -14,6 +14,8 @@ steps grows with the aspect ratio.  W_k is therefore continuous across the stron
     |e|^2 >= STRONG max_e' |e'|^2    over the facets e' of one of the two elements,
 
 which on elements of moderate shape are all of them, W_k = H1.
+
+For nearly incompressible materials all levels under V_h are those of the module `solenoidal`.
 """
 
 from itertools import chain

@@ -33,20 +33,33 @@ def test_the_choice_follows_symmetry_and_what_is_installed(monkeypatch):
     assert Disc().inversekind == "sparsecholesky"
 
 
-def Solid(nu=0.3, inverse="auto", method=None):
+def Solid(nu=0.3, inverse="auto", method=None, cells="tet"):
     point = Point(problem="box", n=2)
     problem = replace(point.contactproblem, material=HookeMaterial(E=1000, nu=nu))
-    return Discretization(problem, method or InteriorPenalty(), point.Mesh(), inverse=inverse)
+    return Discretization(problem, method or InteriorPenalty(), BoxMesh(2, cells=cells), inverse=inverse)
 
 
-def test_large_solids_are_iterated_unless_they_are_nearly_incompressible(monkeypatch):
+def test_large_solids_are_iterated_and_larger_ones_if_they_are_nearly_incompressible(monkeypatch):
     monkeypatch.setattr(inverses, "HasPardiso", lambda: False)
     assert Solid().inversekind == "sparsecholesky"
-    monkeypatch.setattr(inverses, "LARGE", 500)
-    assert Solid().inversekind == "iterative" and Solid(nu=0.44).inversekind == "iterative"
-    assert Solid(nu=0.46).inversekind == "sparsecholesky"
+    monkeypatch.setattr(inverses, "LARGE", 100)
+    assert Solid().inversekind == "iterative" and Solid(nu=0.42).inversekind == "iterative"
+    assert Solid(nu=0.44).inversekind == "sparsecholesky" and Solid(nu=0.499).inversekind == "sparsecholesky"
     assert Solid(method=Conforming()).inversekind == "sparsecholesky" and Disc().inversekind == "sparsecholesky"
+    monkeypatch.setattr(inverses, "HUGE", 100)
+    assert Solid(nu=0.44).inversekind == "iterative" and Solid(nu=0.499).inversekind == "iterative"
+    # On other cells than simplices there are no levels for that.
+    assert Solid(nu=0.44, cells="hex").inversekind == "iterative"
+    assert Solid(nu=0.46, cells="hex").inversekind == "sparsecholesky"
     assert inverses.Swelling(Solid()) == pytest.approx(1 + 1.5 * 2 * 0.3 / 0.4)
+
+
+@pytest.mark.parametrize("nu", [0.3, 0.499])
+def test_a_nearly_incompressible_solid_is_iterated_to_the_solution_of_a_factorisation(nu):
+    direct, iterated = (Solid(nu=nu, inverse=inverse).Solve(coarser=()) for inverse in ("sparsecholesky", "iterative"))
+    assert np.abs(direct.displacement - iterated.displacement).max() < 1e-7 * np.abs(direct.displacement).max()
+    assert np.abs(Solid(nu=0.49).Solve(coarser=()).displacement - direct.displacement).max() > (
+        1e-3 * np.abs(direct.displacement).max())
 
 
 @pytest.mark.parametrize("stiffness", [1.0, 1e3, 1e7])

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from netgen.csg import unit_cube
-from ngsolve import CF, H1, ConvertOperator, HDiv, Mesh, VectorH1, VectorL2
+from netgen.occ import Cylinder, OCCGeometry, Pnt, Z
+from ngsolve import CF, H1, L2, ConvertOperator, GridFunction, HDiv, IfPos, Mesh, VectorH1, VectorL2, x, y, z
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError)
@@ -37,12 +38,12 @@ def WithContact(disc, normal, tangential=0.0):
     return Native(Csr(disc.matrix) + (contact.trace.T @ weights @ contact.trace).tocsr())
 
 
-def Steps(disc, matrix, **options):
-    """Number of steps to a true residual of 1e-8, computed here, not by the solver."""
+def Steps(disc, matrix, *, rounding=0, **options):
+    """Number of steps to a true residual of 1e-8, computed here, not by the solver, up to its rounding."""
     inverse = IterativeInverse(disc, matrix, **options)
     u = inverse.Solve(disc.load)
     residual = np.linalg.norm(Csr(matrix) @ u - disc.load) / np.linalg.norm(disc.load)
-    assert residual <= 1e-8 and residual == pytest.approx(inverse.residual, rel=1e-3)
+    assert residual <= 1e-8 and residual == pytest.approx(inverse.residual, rel=1e-3, abs=rounding)
     return inverse.iterations
 
 
@@ -132,6 +133,51 @@ def test_a_nearly_incompressible_body_that_only_contact_holds():
     body = Block(BoxMesh(4), held=False, nu=NEARLY)
     for D in (1, 1e3):
         assert Steps(body, WithContact(body, D, D)) <= 50
+
+
+def Box(lower, inside, outside):
+    """A value in the cube between lower and 2/3 and another one outside it."""
+    value = CF(inside)
+    for coordinate in (x, y, z):
+        value = IfPos(coordinate - lower, IfPos(2 / 3 - coordinate, value, outside), outside)
+    return value
+
+
+def WithModulus(E, nu):
+    """E jumps along facets, constant in elements: at points of facets a formula in x, y, z takes either side."""
+    mesh = BoxMesh(6)
+    modulus = GridFunction(L2(mesh, order=0))
+    modulus.Set(E)
+    return Block(mesh, E=modulus, nu=nu)
+
+
+@pytest.mark.parametrize("nu", [0.3, NEARLY])
+@pytest.mark.parametrize("E", [IfPos(z - 0.5, 1e3, 1), IfPos(z - 0.5, 1e6, 1), Box(1 / 3, 1, 1e3), Box(1 / 3, 1, 1e6)],
+                         ids=["layer-1e3", "layer-1e6", "inclusion-1e3", "inclusion-1e6"])
+def test_jumping_materials(E, nu):
+    disc = WithModulus(E, nu)
+    # eps times the jump
+    assert Steps(disc, disc.matrix, rounding=2e-10) <= 60
+
+
+def test_parts_that_hang_together_along_edges_only_are_too_much():
+    # Negative control of the bound of 60: what is continuous at an edge holds together what no facet does.
+    disc = WithModulus(IfPos((x - 0.5) * (y - 0.5) * (z - 0.5), 1e6, 1), 0.3)
+    with pytest.raises(ProblemError, match="in 120 steps"):
+        IterativeInverse(disc, disc.matrix, maxiter=120).Solve(disc.load)
+
+
+@pytest.mark.parametrize(("order", "curve", "nu", "bound"), [(1, 2, 0.3, 60), (2, 2, 0.3, 50), (2, 3, 0.3, 50),
+                                                             (1, 2, NEARLY, 65), (2, 2, NEARLY, 45), (2, 3, NEARLY, 45)])
+def test_curved_elements(order, curve, nu, bound):
+    body = Cylinder(Pnt(0, 0, 0), Z, r=0.5, h=1)
+    body.faces.Max(Z).name, body.faces.Min(Z).name = "top", "bottom"
+    mesh = Mesh(OCCGeometry(body).GenerateMesh(maxh=0.4))
+    straight = Block(mesh, order=order, nu=nu).matrix
+    mesh.Curve(curve)
+    disc = Block(mesh, order=order, nu=nu)
+    assert Steps(disc, disc.matrix) <= bound
+    assert abs(Csr(disc.matrix) - Csr(straight)).max() > 1e-3 * abs(Csr(straight)).max()
 
 
 def Facetwise(space, facets):

@@ -160,6 +160,7 @@ def DirectMemory(elements: int, entries: int, dim: int) -> int:
 def IterativeMemory(entries: int) -> int:
     """Bytes of an assembled matrix with this number of entries and its `IterativeInverse`, at the peak.
 
-    50 for each entry: the growth of the resident memory from assembly to solution at a million unknowns of order 1.
+    50 for each entry: the growth of the resident memory from assembly to solution at a million unknowns of order 1.  The
+    levels for nearly incompressible materials (`solenoidal`) take 64 more.
     """
     return 50 * entries

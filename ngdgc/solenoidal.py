@@ -17,7 +17,9 @@ aggregates).  With Pi the projection in the middle of the symmetric cycle and S 
 OVER Pi) S <= S' S < 1 in the inner product of A: P stays positive definite whatever OVER is.
 
 Only the two last levels are factorised, with d and 1 or 3 unknowns for each vertex, together a twelfth of those of V_1 on
-tetrahedra.
+tetrahedra.  Most of the memory are the inverses of the stars: all levels take about 64 bytes for each entry of A, measured at
+72 000 unknowns of order 1.  The number of steps is bounded in lam, order and number of elements, but grows with the aspect
+ratio: W_1 and the potentials are continuous across weak facets, too.
 """
 
 import numpy as np

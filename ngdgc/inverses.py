@@ -3,8 +3,8 @@
 sparsecholesky : NGSolve's factorisation, the usual choice
 pardisospd : the factorisation of the library MKL, where it is installed (`pip install ngdgc[mkl]`)
 umfpack : for unsymmetric matrices, of which a Cholesky factorisation would be wrong without a word
-iterative : preconditioned conjugate gradients (`iterative` module), in 3D for many unknowns of a discontinuous method, whose
-    factors would fill hours and memory
+iterative : preconditioned conjugate gradients (`iterative` module), in 3D for discontinuous methods whose factors would take
+    long and much memory
 """
 
 from functools import cache
@@ -18,8 +18,9 @@ from .solenoidal import NeedsSolenoidal, Swelling
 
 SYMMETRIC = "sparsecholesky", "pardisospd", "iterative"
 LIKEFACTORS = 1e-11         # relative residual of solutions that take the place of a factorisation's
-LARGE = 50_000      # unknowns in 3D from which conjugate gradients are faster
-HUGE = 200_000      # the same with the levels for nearly incompressible materials
+# Bytes of factors in 3D (`DirectMemory`) from which a whole solution takes less time with conjugate gradients: between 5e7 and
+# 2e8 on boxes of orders 1 to 3, IP, Bassi and LDG; with the levels for nearly incompressible materials between 5e8 and 8e8.
+LARGE, HUGE = 1.5e8, 7.5e8
 SWOLLEN = 15        # largest ratio of volumetric to shear stiffness for which they are without: nu = 0.45 in 3D
 LU = 2.5            # memory of an unsymmetric factorisation in units of that of a symmetric one
 GIGABYTE = 1e9
@@ -52,10 +53,16 @@ def Direct():
 
 
 def Iterated(disc):
-    """True if the preconditioner and a few solves by conjugate gradients take less time than a factorisation in 3D."""
-    if disc.space.ndof <= LARGE:
-        return False
-    return disc.space.ndof > HUGE if NeedsSolenoidal(disc) else Swelling(disc) < SWOLLEN
+    """True if in 3D conjugate gradients and what they need take less time than a factorisation and its solves."""
+    swollen = NeedsSolenoidal(disc)
+    return (swollen or Swelling(disc) < SWOLLEN) and FactorMemory(disc) > (HUGE if swollen else LARGE)
+
+
+def FactorMemory(disc):
+    """Bytes of the Cholesky factors of a Discretization's matrix, estimated."""
+    # Unknowns of neighbouring elements, or of neighbouring vertices, are eliminated together.
+    nodes = disc.mesh.ne if disc.method.discontinuous else disc.mesh.nv
+    return DirectMemory(nodes, disc.matrix.nze, disc.mesh.dim)
 
 
 def Inverse(disc, matrix, kind):
@@ -65,15 +72,17 @@ def Inverse(disc, matrix, kind):
     """
     if kind == "iterative":
         return IterativeInverse(disc, matrix, tol=LIKEFACTORS)
-    # Unknowns of neighbouring elements, or of neighbouring vertices, are eliminated together.
-    nodes = disc.mesh.ne if disc.method.discontinuous else disc.mesh.nv
-    needed = DirectMemory(nodes, matrix.nze, disc.mesh.dim) * (LU if kind == "umfpack" else 1)
-    if needed > (free := psutil.virtual_memory().available):
-        other = ("inverse='iterative'" if disc.symmetric and disc.method.discontinuous else "a discontinuous method with "
-                 "inverse='iterative'")
-        raise ProblemError(f"the factors of {disc.space.ndof} unknowns would take about {needed / GIGABYTE:.1f} GB, and "
-                           f"{free / GIGABYTE:.1f} GB are free; take {other}, a coarser mesh or a lower order")
+    CheckMemory(FactorMemory(disc) * (LU if kind == "umfpack" else 1), disc.space.ndof,
+                "inverse='iterative'" if disc.symmetric and disc.method.discontinuous else
+                "a discontinuous method with inverse='iterative'")
     return Factorised(matrix, disc.space.FreeDofs(), kind, disc.mesh.dim)
+
+
+def CheckMemory(needed, unknowns, remedy):
+    """Raise ProblemError if factors need more bytes than are free."""
+    if needed > (free := psutil.virtual_memory().available):
+        raise ProblemError(f"the factors of {unknowns} unknowns would take about {needed / GIGABYTE:.1f} GB, and "
+                           f"{free / GIGABYTE:.1f} GB are free; take {remedy}, a coarser mesh or a lower order")
 
 
 def Factorised(matrix, freedofs, kind, dim):

@@ -26,6 +26,7 @@ from ngsolve import CELL, H1, L2, VOL, ConvertOperator, ElementId, NodeId
 
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 from .facets import Native, RigidMotionsAt
+from .parallel import Batched
 from .solenoidal import NeedsSolenoidal, SolenoidalLevels
 
 STRONG = 0.1
@@ -110,6 +111,7 @@ def StrongNeighbours(facets):
 class Aggregation:
     """One V-cycle of smoothed aggregation for a scipy matrix with `dim` unknowns at each vertex, rigid motions preserved."""
 
+    @Batched
     def __init__(self, matrix, motions, dim):
         import pyamg        # slow to import
 
@@ -120,6 +122,8 @@ class Aggregation:
             matrix.tobsr((dim, dim)), B=motions, symmetry="symmetric", strength=("symmetric", {"theta": AGGREGATED}),
             smooth=damped, presmoother=smoother, postsmoother=smoother, improve_candidates=None, max_coarse=COARSEST)
         self._cycle = self.levels.aspreconditioner(cycle="V")
+        # The first time makes the pseudo-inverse on the last level, for which threads of BLAS and of NGSolve would fight.
+        self._cycle @ np.zeros(len(motions))
 
     def Mult(self, b, x):
         """x = P b, NGSolve vectors."""

@@ -17,8 +17,10 @@ from ngsolve import L2
 
 from .equations import LinearEquations
 from .facets import Native, Threads
-from .inverses import Direct, Factorised
-from .preconditioner import Corners, PartlyContinuous
+from .inverses import CheckMemory, Direct, Factorised
+from .iterative import DirectMemory
+from .cycles import Corners
+from .preconditioner import PartlyContinuous
 
 
 class Subspace(LinearEquations):
@@ -61,6 +63,8 @@ class Subspace(LinearEquations):
         return self.Factorise(self.matrix)
 
     def Inverse(self, matrix):
+        nodes = self.mesh.nv + int(Near(self.disc).sum())
+        CheckMemory(DirectMemory(nodes, matrix.nze, self.mesh.dim), matrix.height, "a smaller foundation")
         return Factorised(matrix, None, self.inversekind, self.mesh.dim)
 
 

@@ -42,11 +42,11 @@ def Solid(nu=0.3, inverse="auto", method=None, cells="tet"):
 def test_large_solids_are_iterated_and_larger_ones_if_they_are_nearly_incompressible(monkeypatch):
     monkeypatch.setattr(inverses, "HasPardiso", lambda: False)
     assert Solid().inversekind == "sparsecholesky"
-    monkeypatch.setattr(inverses, "LARGE", 100)
+    monkeypatch.setattr(inverses, "LARGE", 1e5)
     assert Solid().inversekind == "iterative" and Solid(nu=0.42).inversekind == "iterative"
     assert Solid(nu=0.44).inversekind == "sparsecholesky" and Solid(nu=0.499).inversekind == "sparsecholesky"
     assert Solid(method=Conforming()).inversekind == "sparsecholesky" and Disc().inversekind == "sparsecholesky"
-    monkeypatch.setattr(inverses, "HUGE", 100)
+    monkeypatch.setattr(inverses, "HUGE", 1e5)
     assert Solid(nu=0.44).inversekind == "iterative" and Solid(nu=0.499).inversekind == "iterative"
     # On other cells than simplices there are no levels for that.
     assert Solid(nu=0.44, cells="hex").inversekind == "iterative"
@@ -95,6 +95,11 @@ def test_what_does_not_fit_is_refused_before_it_is_begun(monkeypatch):
         Solid().Solve(coarser=())
     with pytest.raises(ProblemError, match="take a discontinuous method with inverse='iterative'"):
         Solid(method=Conforming()).Solve(coarser=())
+    with pytest.raises(ProblemError, match="of 342 unknowns would take about .* GB.*take a smaller foundation, a coarser mesh"):
+        Solid(inverse="iterative").Solve(coarser=())
+    memory.available = 1e6      # enough for the subspace alone
+    with pytest.raises(ProblemError, match="of 576 unknowns"):
+        Solid().Solve(coarser=())
     assert Solid(inverse="iterative").Solve(coarser=()).converged
     memory.available = 1e9
     assert Solid().Solve(coarser=()).converged

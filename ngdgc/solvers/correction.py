@@ -22,6 +22,7 @@ FIRST = 1e-2        # law residual of the first solution in X_h, about what it l
 INNER = 0.05        # that of the later ones, relative to what the whole had
 PART = 0.05         # of what is out of balance, that conjugate gradients leave
 MOST = 1e-10        # of the loads, that they may leave in the end
+OUTDATED = 40       # applications in the first run in X_h that tell that its matrix was made for other zones
 PATIENCE = 6        # corrections in which the law residual must halve
 
 
@@ -52,7 +53,7 @@ class CorrectedRun:
                 return
             self.run.solver = replace(self.solver, tol=min(FIRST, INNER * self.residuals[-1]))
             self.subspace.Move(iterate.vector)
-            iterates = self.run.Resume(renew=len(self.residuals) == 1)
+            iterates = self.run.Resume(renew=len(self.residuals) == 1 and self.subspace.solves > OUTDATED)
             next(iterates)
 
     def _Reach(self, iterates):

@@ -47,6 +47,11 @@ def test_cost_is_that_of_the_solution_it_names():
     assert cost.ratio == pytest.approx(np.mean(cost.total / (cost.factorisation + cost.solve)))     # the median of two
 
 
+def test_a_swollen_box_is_the_box_of_another_material():
+    swollen, box = bench.Swollen(problem="box", n=2, nu=0.499).contactproblem, Point(problem="box", n=2).contactproblem
+    assert (swollen.material.nu, swollen.material.E) == (0.499, box.material.E) != (box.material.nu, box.material.E)
+
+
 def test_cost_of_an_iteration_counts_its_steps():
     cost = bench.Measure(Point(problem="box", n=3), repeat=1, inverse="iterative")
     disc = Discretization(Point(problem="box", n=3).contactproblem, InteriorPenalty(), Point(problem="box", n=3).Mesh(),

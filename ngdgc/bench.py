@@ -177,7 +177,8 @@ def Benches(*, quick=False):
                                                     for order in (1, 2, 3, 4)],
         "Box of other methods and orders, k_n = E": [Point(problem="box", stiffness=1.0, n=coarse, method=label)
                                                      for label in ("Bassi edge", "Brezzi edge", "LDG edge", "H1")]
-        + [Point(problem="box", stiffness=1.0, n=n, order=order) for order, n in (((2, 2), (3, 2)) if quick else ((2, 6), (3, 4)))],
+        + [Point(problem="box", stiffness=1.0, n=n, order=order)
+           for order, n in (((2, 2), (3, 2)) if quick else ((2, 6), (3, 4)))],
         "Box, nearly incompressible, nu = 0.499, k_n = E": [Swollen(problem="box", stiffness=1.0, n=n, nu=0.499)
                                                             for n in (solid if quick else (6, 11, 14))]}
 

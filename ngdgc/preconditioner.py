@@ -1,4 +1,4 @@
-"""A preconditioner for the symmetric discontinuous methods in which nothing global is factorised.
+"""A preconditioner for the symmetric discontinuous methods in which no matrix on V_h is factorised.
 
 One V-cycle through nested spaces, with Galerkin matrices A_i = E' A E of the matrix it is made for:
 

@@ -3,9 +3,10 @@
     X_h = {v in V_h : v is continuous and piecewise linear away from Gamma_C},
 
 all functions of V_h on the elements that touch Gamma_C with a vertex, and functions of W_1 (`preconditioner` module) on the
-others; on a cube of tetrahedra a seventh of a hundred thousand unknowns of order 1, a twelfth of a million.  S_X, the compliance operator of X_h, is a lower bound of that of V_h: on
-tetrahedra of order 1, S_X <= S <= 1.13 S_X was measured, with a stiffness of the law in both S <= 1.05 S_X.  So a
-correction from X_h gets zones and tractions right, whatever the law, and leaves what is linear (`solvers.correction`).
+others; on a cube of tetrahedra a seventh of a hundred thousand unknowns of order 1, a twelfth of a million.  S_X, the
+compliance operator of X_h, is a lower bound of that of V_h: on tetrahedra of order 1, S_X <= S <= 1.13 S_X was measured, with
+a stiffness of the law in both S <= 1.05 S_X.  So a correction from X_h gets zones and tractions right, whatever the law, and
+leaves what is linear (`solvers.correction`).
 """
 
 from copy import copy

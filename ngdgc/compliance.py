@@ -49,15 +49,17 @@ class Compliance:
         equilibrium = self._Equilibrium(vector, displacement, traction, load)
         return equilibrium, s, near.displacement - equilibrium.displacement
 
-    def Approach(self, vector, displacement, traction, *, part=np.inf, most=np.inf):
+    def Approach(self, vector, displacement, traction, *, part=1.0, most=None):
         """The Equilibrium of `Meet` nearly, from coefficients (ndof,) nearby, by an inverse that is an iteration.
 
-        What is out of balance becomes at most `part` of what it is, and `most` of the loads; all as Euclidean norms.
+        What is out of balance becomes at most `part` of what it is, and, if given, `most` of the loads; all as Euclidean norms.
         """
         disc = self.disc
         load = disc.load + self.contact.Load(self.Restoring(displacement) - traction)
         excess = load - disc.Multiply(vector) - self.contact.Load(self.Restoring(self.contact.Displacement(vector)))
-        goal = min(part * np.linalg.norm(excess), most * np.linalg.norm(disc.load))
+        goal = part * np.linalg.norm(excess)
+        if most is not None:
+            goal = min(goal, most * np.linalg.norm(disc.load))
         vector = disc.Iterate(self._inverse, load, tol=goal / (np.linalg.norm(load) or 1), start=vector)
         return self._Equilibrium(vector, displacement, traction, 1.0)
 

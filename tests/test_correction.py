@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 from scipy.linalg import eigh
 
-from ngdgc import (LDG, Discretization, InteriorPenalty, NotConvergedError, SemismoothNewtonSolver, subspace)
+from ngdgc import (LDG, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance,
+                   NotConvergedError, SemismoothNewtonSolver, subspace)
 from ngdgc.atlas import Point
 from ngdgc.compliance import Compliance
 from ngdgc.facets import Csr
+from ngdgc.meshes import BoxMesh
 from ngdgc.randomproblems import Draw
 from ngdgc.solvers import correction
 from ngdgc.solvers.stiffness import BodyStiffness
@@ -104,6 +106,29 @@ def test_corrections_of_another_state_do_not_converge(forgotten, monkeypatch):
     monkeypatch.setattr(correction.Subspace, "Move", lambda small, vector: (Move if np.any(vector) else move)(small, vector))
     with pytest.raises(NotConvergedError, match="law residual of .*inverse='sparsecholesky'"):
         SemismoothNewtonSolver().Solve(Box())
+
+
+def test_a_solution_is_in_balance_however_loose_its_tolerance(monkeypatch):
+    """The law may be missed by the tolerance, the balance of forces may not; the last solve alone sees to that."""
+    def Excess():
+        disc = Box()
+        solution = SemismoothNewtonSolver(tol=1e-3).Solve(disc)
+        excess = disc.Multiply(solution.vector) + disc.contact.Load(solution.traction) - disc.load
+        return np.linalg.norm(excess) / np.linalg.norm(disc.load)
+
+    assert Excess() <= 2 * correction.MOST
+    monkeypatch.setattr(correction, "MOST", 1.0)
+    assert Excess() > 1e-7
+
+
+def test_a_body_without_loads_rests():
+    """Nothing is out of balance, exactly; the same body under its weight moves."""
+    def Largest(weight):
+        problem = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)),
+                                 dirichlet={"top": (0, 0, 0)}, bodyforce=(0, 0, weight))
+        return np.abs(Discretization(problem, InteriorPenalty(), BoxMesh(3), inverse="iterative").Solve().displacement).max()
+
+    assert Largest(0) == 0 < 1e-3 < Largest(-1)
 
 
 def test_a_tolerance_below_round_off_is_named():

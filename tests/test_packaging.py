@@ -53,7 +53,7 @@ def Build(source, out, *options):
 def source(tmp_path_factory):
     """A copy of the repository, in which other work has left its traces."""
     copy = tmp_path_factory.mktemp("source") / "ngdgc"
-    shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".git", ".venv", "build", "dist", "results", "*.egg-info"))
+    shutil.copytree(ROOT, copy, ignore=shutil.ignore_patterns(".git", ".venv*", "build", "dist", "results", "*.egg-info"))
     for left in ("docs/_build/page.html", "tests/__pycache__/test_laws.pyc", "build/lib/ngdgc/moved.py"):
         (copy / left).parent.mkdir(parents=True, exist_ok=True)
         (copy / left).write_text("")

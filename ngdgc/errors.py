@@ -2,22 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from ngsolve import InnerProduct, Integrate
 
+from .coefficients import Vector
 from .exact import ExactStrain
+from .exceptions import ProblemError
 from .protocols import Array, Coefficient
-
-if TYPE_CHECKING:
-    from .solution import ContactSolution
+from .solution import CheckSolution, ContactSolution
 
 EXTRA = 6       # quadrature degree beyond 2 k: smooth exact solutions are integrated to round-off on unit-size problems
 
 
 def L2Error(solution: ContactSolution, displacement: Coefficient) -> float:
-    """|u - u_h| in L2(Omega) for a CoefficientFunction u [length^(1 + d/2)].
+    """|u - u_h| in L2(Omega) for a CoefficientFunction u [length^(1 + d/2)], which may be the GridFunction of another solution.
+
+    Of GridFunctions on different meshes the finer mesh is that of the solution, in whose elements is integrated.
+    Raises ProblemError for what is no displacement of the dimension of the mesh.
 
     >>> from ngdgc import *
     >>> from ngdgc.exact import AffinePatch
@@ -27,21 +30,40 @@ def L2Error(solution: ContactSolution, displacement: Coefficient) -> float:
     >>> L2Error(Solve(disc), exact.displacement) < 1e-8
     True
     """
-    difference = solution.gfu - displacement
+    difference = solution.gfu - _Displacement(solution, displacement)
     return _Norm(InnerProduct(difference, difference), solution)
 
 
 def EnergyError(solution: ContactSolution, displacement: Coefficient) -> float:
-    """Square root of int C eps_h(u - u_h):eps_h(u - u_h), the paper's |.|_{1,h} [sqrt(stress length^d)]."""
-    difference = solution.strain - ExactStrain(displacement)
+    """Square root of int C eps_h(u - u_h):eps_h(u - u_h), the paper's |.|_{1,h} [sqrt(stress length^d)]; u as for `L2Error`.
+
+    Raises ProblemError for a u that has no symbolic derivative, too.
+    """
+    difference = solution.strain - ExactStrain(_Displacement(solution, displacement))
     return _Norm(InnerProduct(solution.disc.problem.material.Stress(difference), difference), solution)
 
 
 def StrainError(solution: ContactSolution, displacement: Coefficient) -> float:
-    """|eps_h(u - u_h)|/|eps(u)| in L2(Omega), no unit: the broken H1 error without C, which lam does not weight."""
-    strain = ExactStrain(displacement)
-    difference = solution.strain - strain
-    return _Norm(InnerProduct(difference, difference), solution) / _Norm(InnerProduct(strain, strain), solution)
+    """|eps_h(u - u_h)|/|eps(u)| in L2(Omega), no unit: the broken H1 error without C, which lam does not weight.
+
+    u as for `EnergyError`, and not rigid: ProblemError if eps(u) = 0.
+    """
+    strain = ExactStrain(_Displacement(solution, displacement))
+    difference, size = solution.strain - strain, _Norm(InnerProduct(strain, strain), solution)
+    if size == 0:
+        raise ProblemError("displacement has no strain, and an error relative to it no meaning; take EnergyError")
+    return _Norm(InnerProduct(difference, difference), solution) / size
+
+
+def _Displacement(solution, displacement):
+    """The CoefficientFunction u of the dimension of the solution's mesh, else ProblemError."""
+    CheckSolution(solution)
+    if isinstance(displacement, ContactSolution):
+        raise ProblemError("displacement is a ContactSolution; give a CoefficientFunction: that of a solution is solution.gfu")
+    displacement, dim = Vector(displacement, "displacement"), solution.disc.mesh.dim
+    if displacement.dim != dim:
+        raise ProblemError(f"displacement has {displacement.dim} components on a mesh of dimension {dim}; give {dim}")
+    return displacement
 
 
 def _Norm(square, solution):

@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from ngsolve import CF, Sym, exp, specialcf, x, y, z
 
+from .derivatives import Derivative
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
 from .foundation import Foundation
@@ -44,15 +45,19 @@ def _Everywhere(zone):
 
 
 def ExactStrain(u: Any) -> Any:
-    """eps(u) of a CoefficientFunction with d = 2 or 3 components, by symbolic differentiation, shape (d, d), no unit."""
+    """eps(u) of a CoefficientFunction with d = 2 or 3 components, by symbolic differentiation, shape (d, d), no unit.
+
+    GridFunctions in u are differentiated in each element.  Raises ProblemError for what has no symbolic derivative.
+    """
     d = u.dim
-    return Sym(CF(tuple(u[i].Diff(xj) for i in range(d) for xj in (x, y, z)[:d]), dims=(d, d)))
+    slopes = [Derivative(u, j, "the displacement") for j in range(d)]
+    return Sym(CF(tuple(slopes[j][i] for i in range(d) for j in range(d)), dims=(d, d)))
 
 
 def BodyForce(material: Any, u: Any) -> Any:
-    """f_1 = -div C eps(u) [stress/length], for constant or varying C."""
+    """f_1 = -div C eps(u) [stress/length], for constant or varying C; ProblemError if u or C has no symbolic derivative."""
     stress = material.Stress(ExactStrain(u))
-    return CF(tuple(-sum(stress[i, j].Diff(xj) for j, xj in enumerate((x, y, z)[:u.dim])) for i in range(u.dim)))
+    return CF(tuple(-sum(Derivative(stress[i, j], j, "the stress") for j in range(u.dim)) for i in range(u.dim)))
 
 
 def Traction(material: Any, u: Any) -> Any:

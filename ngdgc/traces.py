@@ -16,6 +16,7 @@ import numpy as np
 from ngsolve import CF, IfPos, x, y, z
 
 from .coefficients import Scalar, ValuesAt
+from .derivatives import Derivative
 from .elasticity import HookeMaterial
 from .exact import WALLS, BodyForce, CheckDimension, Exact
 from .exceptions import ProblemError
@@ -136,8 +137,8 @@ class _Traces:
     def Displacement(self, material, dim):
         w, s, p, tau = self.traces.values()
         height = y if dim == 2 else z
-        along = s + height * (tau / material.mu + w.Diff(x))
-        across = -w + height * (-p - material.lam * s.Diff(x)) / (material.lam + 2 * material.mu)
+        along = s + height * (tau / material.mu + Derivative(w, 0, "un"))
+        across = -w + height * (-p - material.lam * Derivative(s, 0, "ut")) / (material.lam + 2 * material.mu)
         return CF((along, across)) if dim == 2 else CF((along, 0, across))
 
     def CheckSmooth(self):
@@ -150,7 +151,7 @@ class _Traces:
         points, interval = self._Points(at), at[1]
         for name, trace in self.traces.items():
             for order in range(3 if name in ("un", "ut") else 2):
-                slope = trace.Diff(x)
+                slope = Derivative(trace, 0, name)
                 f, df = (ValuesAt(value, points, name) for value in (trace, slope))
                 jump = np.abs(np.diff(f) - interval * (df[1:] + df[:-1]) / 2)
                 worst = jump.argmax()

@@ -4,8 +4,10 @@ import json
 
 from conftest import Example
 from mistakes import Block, Disc
+from ngsolve import CF, Grad
 
 from ngdgc import ContactSolution, Solve
+from ngdgc.errors import EnergyError, L2Error, StrainError
 from ngdgc.export import Animation
 from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure
 
@@ -38,6 +40,13 @@ RESULTS = [
     (lambda _: SettingFigure(Solve(Disc())),
      "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),
     (lambda _: Animation([]), "given are 0 | of one dimension and order | give load steps of one Discretization"),
+    # Errors against other displacements.
+    (lambda _: EnergyError(solution := Solve(Disc()), Grad(solution.gfu)[0, :]),
+     "the displacement has no symbolic derivative | an expression of x, y, z and GridFunctions | give"),
+    (lambda _: L2Error(solution := Solve(Disc()), solution),
+     "displacement is a ContactSolution | a CoefficientFunction | that of a solution is solution.gfu"),
+    (lambda _: L2Error(Solve(Disc()), (0, 0, 0)), "displacement has 3 components | on a mesh of dimension 2 | give 2"),
+    (lambda _: StrainError(Solve(Disc()), CF((1, 0))), "displacement has no strain | relative to it | take EnergyError"),
     # Saved solutions.
     (lambda folder: ContactSolution.Load(folder, Example()),
      "holds no saved solution | ContactSolution.Save has written | give a folder"),

@@ -18,7 +18,7 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
 LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols", "tables"],
-          ["arguments", "casefiles", "coefficients", "storage", "meshes"],
+          ["arguments", "casefiles", "coefficients", "derivatives", "storage", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["quadrature"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],

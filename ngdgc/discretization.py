@@ -71,7 +71,7 @@ class Discretization(LinearEquations):
         scalar = method.ScalarSpace(mesh, self.order)
         self.contact = ContactBoundary(problem, self.facets, self.space, scalar, ContactRules(method, mesh.dim, self.order))
         self._supports = Supports(problem, self.facets, self.contact)
-        self._inverse, self._curved = inverse, mesh.GetCurveOrder()
+        self.wanted, self._curved = inverse, mesh.GetCurveOrder()
         self.addedmatrices, self.addedloads = list[Any](), list[Any]()
 
     def __repr__(self):
@@ -242,7 +242,7 @@ class Discretization(LinearEquations):
     @cached_property
     def inversekind(self) -> str:
         """What solves the linear equations (`inverses` module)."""
-        return Kind(self, self._inverse)
+        return Kind(self, self.wanted)
 
     def Inverse(self, matrix: Any) -> Any:
         return Inverse(self, matrix, self.inversekind)

@@ -43,10 +43,12 @@ def Threads(mesh):
 
 def Curved(mesh):
     """True if elements may be no images of the reference element by their vertices alone."""
-    if mesh.GetCurveOrder() > 1 or mesh.deformation is not None:
-        return True
+    return mesh.GetCurveOrder() > 1 or mesh.deformation is not None or SecondOrder(mesh)
+
+
+def SecondOrder(mesh):
+    """True for Netgen's elements of second order, which have nodes that are no vertices."""
     elements = mesh.ngmesh.Elements2D() if mesh.dim == 2 else mesh.ngmesh.Elements3D()
-    # Netgen's second-order elements have nodes that are no vertices.
     return elements.NumPy()["nodes"].shape[1] > (4 if mesh.dim == 2 else 8)
 
 

@@ -1,13 +1,12 @@
 """What a solver returns: fields, contact quantities, resultants, history."""
 
-from dataclasses import asdict, astuple, dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
-from . import methods, storage
-from .discretization import Discretization
+from . import archive
 from .elasticity import Strain
 from .exceptions import ProblemError
 from .fluxes import Flux
@@ -218,40 +217,32 @@ class ContactSolution:
         return Plain(Summary(self))
 
     def Save(self, folder):
-        """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle)."""
-        method = self.disc.method
-        arrays = {"vector": self.vector, "traction": self.traction, **self._Fingerprint(),
-                  "history": np.array([astuple(step) for step in self.history]).reshape(-1, len(fields(Step)))}
-        description = {"method": type(method).__name__, "arguments": asdict(method), "order": self.disc.order,
-                       "converged": self.converged, "solver": self.solver, "summary": self.ToJSON()}
-        storage.Write(folder, self.disc.mesh, arrays, description)
+        """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle).
+
+        With them goes what tells the discrete problem from others: regions, data at points, laws at several depths and slips.
+        What was saved there before is replaced at the end, or kept if that fails.  Raises ProblemError if the folder cannot be
+        written, and for what a file cannot keep: a method of your own, a deformation of the mesh.
+        """
+        archive.Keep(self, folder)
 
     @classmethod
-    def Load(cls, folder, problem):
+    def Load(cls, folder, problem, *, added=()):
         """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again.
 
-        Raises ProblemError if the folder holds no solution, or one of another problem: contact points, gap, loads, energy and
-        laws are compared.
-        """
-        mesh, arrays, description = storage.Read(folder)
-        method = getattr(methods, description["method"])(**description["arguments"])
-        disc = Discretization(problem, method, mesh, order=description["order"])
-        history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
-        predicted = description["summary"].get("contraction", {}).get("predicted")
-        solution = cls(disc, arrays["vector"], arrays["traction"], history=history, converged=description["converged"],
-                       solver=description["solver"], Predict=lambda: predicted)
-        for name, values in solution._Fingerprint().items():
-            stored = arrays[name]
-            if stored.shape != values.shape or not np.allclose(stored, values, rtol=0, atol=1e-6 * (np.abs(stored).max() or 1)):
-                raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ; "
-                                   "give the one it was saved with")
-        return solution
+        added : the forms that `disc.Add` was given, as forms on a space of the same mesh, method and order, or as functions of
+            the space that make them: added=[lambda space: BilinearForm(...)]
 
-    def _Fingerprint(self):
-        """Arrays that tell problems apart."""
-        contact = self.disc.contact
-        return {"points": self.points, "gaps": contact.gap, "loads": self.disc.load, "energies": np.array([self.energy]),
-                "pressures": contact.Pressure(self.penetration), "bounds": self.bound}
+        Raises ProblemError if the folder holds no solution, a damaged one, or one of another problem: all data are compared to
+        six digits, contact law and balance are verified.
+        """
+        disc, arrays, words = archive.Open(folder, problem, added)
+        history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
+        predicted = words["summary"]["contraction"]["predicted"]
+        solution = cls(disc, arrays["vector"], arrays["traction"], history=history, converged=words["converged"],
+                       solver=words["solver"], Predict=lambda: predicted)
+        solution.levels = [Level(**level) for level in words["summary"]["levels"]]
+        archive.Compare(folder, solution, arrays)
+        return solution
 
 
 def CheckSolution(solution, name="solution"):

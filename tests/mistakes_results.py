@@ -1,32 +1,13 @@
-"""Mistakes with solutions, pictured or saved, as in `mistakes`."""
-
-import json
+"""Mistakes with solutions, pictured or compared, as in `mistakes`."""
 
 from conftest import Example
 from mistakes import Block, Disc
 from ngsolve import CF, Grad
 
-from ngdgc import ContactSolution, Solve
+from ngdgc import Solve
 from ngdgc.errors import EnergyError, L2Error, StrainError
 from ngdgc.export import Animation
 from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure
-
-
-def Saved(folder):
-    Solve(Disc()).Save(folder)
-    return folder
-
-
-def OtherFormat(folder):
-    description = json.loads((Saved(folder) / "solution.json").read_text())
-    (folder / "solution.json").write_text(json.dumps({**description, "format": 0}))
-    return folder
-
-
-def NoMesh(folder):
-    (Saved(folder) / "mesh.vol.gz").unlink()
-    return folder
-
 
 RESULTS = [
     # Pictures.
@@ -46,12 +27,4 @@ RESULTS = [
     (lambda _: L2Error(solution := Solve(Disc()), solution),
      "displacement is a ContactSolution | a CoefficientFunction | that of a solution is solution.gfu"),
     (lambda _: L2Error(Solve(Disc()), (0, 0, 0)), "displacement has 3 components | on a mesh of dimension 2 | give 2"),
-    (lambda _: StrainError(Solve(Disc()), CF((1, 0))), "displacement has no strain | relative to it | take EnergyError"),
-    # Saved solutions.
-    (lambda folder: ContactSolution.Load(folder, Example()),
-     "holds no saved solution | ContactSolution.Save has written | give a folder"),
-    (lambda folder: ContactSolution.Load(NoMesh(folder), Example()),
-     "mesh.vol.gz is missing | ContactSolution.Save | give a folder"),
-    (lambda folder: ContactSolution.Load(OtherFormat(folder), Example()), "has format 0 | this version reads 1 | save it anew"),
-    (lambda folder: ContactSolution.Load(Saved(folder), Example(stiffness=400.0)),
-     "was computed with another problem | its pressures differ | give the one it was saved with")]
+    (lambda _: StrainError(Solve(Disc()), CF((1, 0))), "displacement has no strain | relative to it | take EnergyError")]

@@ -16,6 +16,7 @@ from mistakes_iterations import FAILURES
 from mistakes_laws import LAWS
 from mistakes_problems import PROBLEMS
 from mistakes_results import RESULTS
+from mistakes_saved import SAVED
 from mistakes_solvers import SOLVERS
 from mistakes_studies import STUDIES
 
@@ -26,7 +27,7 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw")
-ROWS = DATA + LAWS + PROBLEMS + RESULTS + SOLVERS + STUDIES + COMMANDS + FAILURES
+ROWS = DATA + LAWS + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
 
 
 @cache

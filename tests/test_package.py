@@ -18,14 +18,14 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
 LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols", "tables"],
-          ["arguments", "casefiles", "coefficients", "derivatives", "storage", "meshes"],
+          ["arguments", "casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
-          ["problem", "facets"], ["quadrature"],
+          ["problem", "facets"], ["quadrature"], ["storage"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["cycles"], ["methods", "solenoidal"],
           ["preconditioner"], ["iterative"], ["inverses"], ["equations"], ["discretization"], ["graph"],
-          ["fluxes", "resultants", "compliance", "coarsening", "subspace"], ["solution"],
+          ["fluxes", "resultants", "compliance", "coarsening", "subspace", "fingerprint"], ["archive"], ["solution"],
           ["solvers.driver", "solvers.equation", "solvers.recycling", "solvers.stiffness"],
           ["solvers.reduced"],
           ["solvers.contraction", "solvers.steps"],

@@ -1,0 +1,108 @@
+"""A solution in a folder: what is kept of it, and what is compared and verified when it is read again."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, astuple, fields
+
+import numpy as np
+from ngsolve import BilinearForm, LinearForm
+
+from . import storage
+from .discretization import Discretization
+from .exceptions import ProblemError
+from .fingerprint import NAMES, Differs, Fingerprint
+from .graph import Distance
+from .methods import METHODS
+
+KINDS = {"method": str, "arguments": dict, "order": int, "assembly": str, "inverse": str, "added": bool, "converged": bool,
+         "solver": str, "summary": dict}
+LAW = 1e-8          # difference of a law residual and the one that was recorded, besides a thousandth of it
+BALANCE = 1e-6      # |A u - f + T' W t| of a converged solution, relative to its terms
+
+
+def Keep(solution, folder):
+    """Write a ContactSolution into a folder; ProblemError if it could not be read again."""
+    disc, method = solution.disc, solution.disc.method
+    if type(method) not in METHODS.values():
+        raise ProblemError(f"method is {method!r}, a {type(method).__name__} of your own, which a file cannot name; keep "
+                           "solution.vector and solution.traction, and make ContactSolution(disc, vector, traction) of them")
+    penetration, slip = solution.penetration, disc.contact.Slip(solution.displacement)
+    arrays = {"vector": solution.vector, "traction": solution.traction, "penetration": penetration, "slip": slip,
+              "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(len(solution.history), -1),
+              **dict(Fingerprint(solution, penetration, slip))}
+    _CheckArrays(arrays, "solution")
+    words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
+             "inverse": disc.wanted, "added": bool(disc.addedmatrices or disc.addedloads),
+             "converged": bool(solution.converged), "solver": str(solution.solver), "summary": solution.ToJSON()}
+    storage.Write(folder, disc.mesh, arrays, words)
+
+
+def Open(folder, problem, added):
+    """(Discretization, {name: array}, dictionary) of a folder, for a problem and forms that are compared later."""
+    mesh, arrays, words = storage.Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", *NAMES))
+    _CheckArrays(arrays, f"the solution in {folder}")
+    kind = {method.__name__: method for method in METHODS.values()}.get(words["method"])
+    if kind is None or not set(words["arguments"]) <= {field.name for field in fields(kind)}:
+        raise ProblemError(f"{folder} was saved with method {words['method']} and arguments {words['arguments']}, which this "
+                           f"version has not; it knows {', '.join(method.__name__ for method in METHODS.values())}")
+    if not isinstance(added, Sequence) or isinstance(added, str):
+        raise ProblemError(f"added is {added!r}; give a list of the forms that disc.Add was given")
+    if words["added"] != bool(added):
+        raise ProblemError(f"the solution in {folder} was computed {'with' if words['added'] else 'without'} added forms; "
+                           f"{'give them again' if words['added'] else 'leave them out'}: "
+                           f"Load(folder, problem{', added=[...]' if words['added'] else ''})")
+    disc = Discretization(problem, kind(**words["arguments"]), mesh, order=words["order"], assembly=words["assembly"],
+                          inverse=words["inverse"])
+    for number, form in enumerate(added):
+        disc.Add(_On(disc.space, form, f"added[{number}]"))
+    return disc, arrays, words
+
+
+def Compare(folder, solution, arrays):
+    """Raise ProblemError unless a solution is of the problem whose arrays were kept, and solves it as far as it claims to."""
+    for name, values in Fingerprint(solution, arrays["penetration"], arrays["slip"]):
+        if Differs(arrays[name], values):
+            raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ; "
+                               "give the one it was saved with")
+    disc = solution.disc
+    law = Distance(disc.contact, solution.displacement, solution.traction).distance.max(initial=0)
+    recorded = solution.history[-1].residual if solution.history else 0.0
+    if not abs(law - recorded) <= 1e-3 * recorded + LAW:
+        raise ProblemError(f"the solution in {folder} does not obey the contact law: its distance is {law:.1e}, recorded is "
+                           f"{recorded:.1e}; solve again, and save what Solve returns")
+    terms = disc.Multiply(solution.vector), disc.load, disc.contact.Load(solution.traction)
+    excess = (terms[0] - terms[1] + terms[2])[np.array(disc.space.FreeDofs(), dtype=bool)]
+    balance = np.abs(excess).max(initial=0) / (max(np.abs(term).max() for term in terms) or 1)
+    if solution.converged and not balance <= BALANCE:
+        raise ProblemError(f"the solution in {folder} is not in balance: A u - f + T' W t is {balance:.1e} of its terms; solve "
+                           "again, and save what Solve returns")
+
+
+def _CheckArrays(arrays, name):
+    """Raise ProblemError unless vector and contact quantities are finite and of shapes that belong together."""
+    shapes = {"vector": arrays["loads"].shape, "traction": arrays["points"].shape, "penetration": arrays["points"].shape[:1],
+              "slip": arrays["points"].shape[:1], "history": (len(arrays["history"]), 5)}
+    for key, shape in shapes.items():
+        array = arrays[key]
+        wrong = array.dtype.kind != "f" or array.shape != shape and len(array)
+        if wrong or key != "history" and not np.all(np.isfinite(array)):
+            raise ProblemError(f"{name} has a {key} of shape {array.shape} that is not finite, or not of shape {shape}; solve "
+                               "again, and save what Solve returns")
+
+
+def _On(space, form, name):
+    """An added form on a space: what a function of the space makes, or the integrals of a form on one like it."""
+    if isinstance(form, (BilinearForm, LinearForm)):
+        other = form.space
+        if type(other) is not type(space) or other.ndof != space.ndof or other.globalorder != space.globalorder:
+            raise ProblemError(f"{name} lives on another space; make it on one of the same mesh, method and order")
+        copy = type(form)(space)
+        for integrator in form.integrators:
+            copy += integrator
+        return copy
+    if not callable(form):
+        raise ProblemError(f"{name} is {form!r}; give a form, or a function of the space that makes it")
+    try:
+        return form(space)
+    except Exception as error:      # of a function of the user's own
+        raise ProblemError(f"{name} fails: {type(error).__name__}: {error}; give a function of the space alone that makes a "
+                           "BilinearForm or a LinearForm on it") from error

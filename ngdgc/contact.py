@@ -166,10 +166,12 @@ def TraceMatrix(space, scalar, points):
     """
     dim = space.mesh.dim
     rows, columns, entries = [], [], []
+    last = None
     for number, (x, y, z, element) in enumerate(zip(points["x"], points["y"], points["z"], points["nr"])):
-        element = ElementId(VOL, int(element))
-        shape = np.array(scalar.GetFE(element).CalcShape(x, y, z))
-        dofs = np.array(space.GetDofNrs(element)).reshape(dim, len(shape))
+        if element != last:
+            here, last = ElementId(VOL, int(element)), element
+            function, dofs = scalar.GetFE(here), np.array(space.GetDofNrs(here)).reshape(dim, -1)
+        shape = np.array(function.CalcShape(x, y, z))
         for component in range(dim):
             rows.append(np.full(len(shape), number * dim + component))
             columns.append(dofs[component])

@@ -9,6 +9,8 @@ from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, Dis
                      GridFunction, IfPos, IntegrationRule, L2, LinearForm, TaskManager, dx, x, y, z)
 from ngsolve.la import SparseMatrixd
 
+from .interfaces import Interfaces
+
 # Vertices of NGSolve's reference elements, in the order of Element.vertices.
 REFERENCE_VERTICES = {
     ET.TRIG: [(1, 0, 0), (0, 1, 0), (0, 0, 0)],
@@ -127,14 +129,21 @@ class Facets:
 
     @cached_property
     def orientation(self):
-        """1 in the element that fixes the normal of a facet, the one with the smaller number, and -1 in the other one.
+        """1 in the element that fixes the normal of a facet and -1 in the other one.
 
+        It is the one with the smaller number, on named boundaries inside the body the one on the side that `Interfaces` tells.
         A CoefficientFunction for integrals over element boundaries.
         """
-        first = self.Function(self.incidence.indices[self.incidence.indptr[:-1]])
+        second = (self.interfaces.sign < 0) & (self.neighbours > 1)
+        first = self.Function(self.incidence.indices[self.incidence.indptr[:-1] + second])
         number = GridFunction(L2(self.mesh, order=0))
         number.vec.FV().NumPy()[:] = np.arange(self.mesh.ne)
         return IfPos(0.25 - (first - number) ** 2, 1, -1)
+
+    @cached_property
+    def interfaces(self):
+        """Which side's outward normal is that of a named boundary inside the body."""
+        return Interfaces(self)
 
     @cached_property
     def component(self):

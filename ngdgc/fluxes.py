@@ -8,12 +8,14 @@ from .exceptions import ProblemError
 
 
 def Flux(solution):
-    """sigma_hat n of a solution, a GridFunction with d components in F_h [stress], n outward of the first element of a facet.
+    """sigma_hat n of a solution, a GridFunction with d components in F_h [stress].
 
     On E0 the flux of the method, on Gamma_F the traction f_2, on Gamma_C the traction -t of the foundation on the body, each
-    as its L2 projection on F_h.  With `facets.orientation`, which is 1 in the first element of a facet and -1 in the second,
-    the traction on element K is orientation * sigma_hat n; its integral over the boundary of K and that of the body force
-    over K cancel, which is (3.10) tested with rigid motions.  Forces of forms that were added are not in it.
+    as its L2 projection on F_h.  On the boundary n is outward, on a named boundary inside the body that of the side which
+    `interfaces.Interfaces` tells, on other facets outward of the element with the smaller number.  With `facets.orientation`,
+    which is 1 in the element whose normal it is and -1 in the other, the traction on element K is orientation * sigma_hat n;
+    its integral over the boundary of K and that of the body force over K cancel, which is (3.10) tested with rigid motions.
+    Forces of forms that were added are not in it.
 
     Raises ProblemError for the conforming method, which has no numerical flux.
 
@@ -27,7 +29,8 @@ def Flux(solution):
     """
     disc = solution.disc
     if not disc.method.discontinuous:
-        raise ProblemError(f"method {disc.method.name} has no numerical flux; take a discontinuous one, or solution.stress")
+        raise ProblemError(f"method {disc.method.name} has no numerical flux; take a discontinuous one, or "
+                           "solution.Traction(region), which every method has")
     form = disc.facetform
     function = form.FluxFunction(solution.gfu)
     values, operators = function.vec.FV().NumPy(), form.operators
@@ -40,6 +43,7 @@ def Flux(solution):
             dofs = operators.TraceDofs(patch.facets)
             values[dofs] += operators.Apply(operators.inversemass(patch.sides[0]), moments[dofs][..., None])[..., 0]
     _AddContact(disc, operators, solution.traction, values)
+    values *= np.tile(np.repeat(disc.facets.interfaces.sign, operators.tracesizes), disc.mesh.dim)
     return function
 
 

@@ -34,8 +34,11 @@ class BoundaryQuadrature:
         return self.points["nr"]
 
     @classmethod
-    def On(cls, facets, region, rules):
-        """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules."""
+    def On(cls, facets, region, rules, *, side=0):
+        """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules.
+
+        side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
+        """
         mesh, dim = facets.mesh, facets.mesh.dim
         rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
@@ -45,7 +48,7 @@ class BoundaryQuadrature:
         inside["VorB"] = 0
         starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))
         facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
-        volumes = facets.incidence.indices[facets.incidence.indptr[facet]]
+        volumes = facets.incidence.indices[facets.incidence.indptr[facet] + np.minimum(side, facets.neighbours[facet] - 1)]
         around = facets.vertices[volumes]
         # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
         corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)

@@ -1,15 +1,15 @@
 """Forces and moments: resultants on each part of the boundary, and the balance of every element and of the body.
 
 Everything is tested with the rigid motions as functions of V_h, so that a discrete solution balances to round-off: DG on each
-element, from its numerical fluxes; H1 globally, from the residual on constrained dofs.
+element, from its numerical fluxes; H1 globally, from tractions that its residual corrects (`conformingtractions`).
 """
 
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import VOL, ElementId, ds, specialcf
+from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
-from .elasticity import Strain
+from .conformingtractions import AddedForce
 from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
 from .skeleton import Coefficients
 
@@ -43,14 +43,14 @@ def Resultants(solution):
     def Split(modes):
         return modes[:dim], modes[dim:]
 
-    found = [Resultant("dirichlet", region, *Split(basis @ reaction), integrated=Split(basis @ stress))
-             for region, reaction, stress in _StrongReactions(solution)]
+    found = [Resultant("dirichlet", region, *Split(modes), integrated=Split(basis @ stress))
+             for region, modes, stress in _StrongReactions(solution)]
     found += [Resultant("roller" if region in disc.problem.roller else "dirichlet", region, *Split(basis @ flux))
               for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
     found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
               if kind in ("traction", "bodyforce")]
     if disc.addedmatrices or disc.addedloads:
-        found.append(Resultant("added", None, *Split(basis @ _AddedForce(solution))))
+        found.append(Resultant("added", None, *Split(basis @ AddedForce(solution))))
     contact = disc.contact
     motions = RigidMotionsAt(contact.coordinates)
     for foundation, here, _, _ in contact.parts:
@@ -59,30 +59,23 @@ def Resultants(solution):
     return found
 
 
-def _AddedForce(solution):
-    """Coefficients of the forces that added forms exert on the body."""
-    disc = solution.disc
-    force = disc.loads.get(("added", None), np.zeros(disc.space.ndof))
-    return force - disc.addedmatrix @ solution.vector if disc.addedmatrices else force
-
-
 def _StrongReactions(solution):
-    """(region, reaction, int C eps(u) n.v) as coefficients, for regions with strongly imposed displacement.
-
-    The reaction is A u - f + T' W t on the constrained dofs; a dof on two regions belongs to the first of them.
-    """
+    """(region, modes of the reaction, int C eps(u) n.v as coefficients), for regions with strongly imposed displacement."""
     disc = solution.disc
     if disc.method.discontinuous or not disc.problem.dirichlet:
         return
-    residual = disc.Multiply(solution.vector) - disc.load + disc.contact.Load(solution.traction)
-    taken = np.zeros(disc.space.ndof, dtype=bool)
-    stress, n = disc.problem.material.Stress(Strain(solution.gfu)), specialcf.normal(disc.mesh.dim)
-    v = disc.space.TestFunction()
+    quadrature, tractions = solution.tractions.held
+    facet, motion = disc.facets.boundary[0][quadrature.facets], GridFunction(disc.space)
+    traces = []
+    for coefficients in RigidBasis(disc.space):
+        motion.vec.FV().NumPy()[:] = coefficients
+        traces.append(np.asarray(motion(quadrature.inside)))
+    stress, n, v = solution.stress, specialcf.normal(disc.mesh.dim), disc.space.TestFunction()
     for region in disc.problem.dirichlet:
-        boundary = disc.mesh.Boundaries(region)
-        dofs = np.array(list(disc.space.GetDofs(boundary)), dtype=bool) & ~taken
-        taken |= dofs
-        yield region, np.where(dofs, residual, 0), Coefficients((stress * n) * v * ds(skeleton=True, definedon=boundary))
+        there = disc.facets.On(region)[facet]
+        modes = np.einsum("cnd,nd->c", np.array(traces)[:, there], tractions[there])
+        measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region))
+        yield region, modes, Coefficients((stress * n) * v * measure)
 
 
 def GlobalImbalance(solution):
@@ -110,7 +103,7 @@ def ElementImbalance(solution):
     disc = solution.disc
     contributions = [*disc.form.Fluxes(solution.gfu).values()]
     contributions += [load for (kind, _), load in disc.loads.items() if kind in ("traction", "bodyforce")]
-    contributions += [-disc.contact.Load(solution.traction), _AddedForce(solution)]
+    contributions += [-disc.contact.Load(solution.traction), AddedForce(solution)]
     basis = RigidBasis(disc.space)
     owner = np.empty(disc.space.ndof, dtype=int)
     for element in range(disc.mesh.ne):

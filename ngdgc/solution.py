@@ -10,6 +10,7 @@ from . import archive
 from .elasticity import Strain
 from .exceptions import ProblemError
 from .fluxes import Flux
+from .forces import Force, Mean, Traction, Tractions
 from .graph import ZONES, Distance
 from .report import Plain, Report, Summary
 from .resultants import ElementImbalance, GlobalImbalance, Resultants
@@ -100,6 +101,7 @@ class ContactSolution:
 
     @cached_property
     def gfu(self):
+        """u_h, a GridFunction; discontinuous ones have no values on boundaries: `Mean`, or BoundaryFromVolumeCF(gfu)."""
         function = GridFunction(self.disc.space, "u")
         function.vec.FV().NumPy()[:] = self.vector
         return function
@@ -116,7 +118,7 @@ class ContactSolution:
 
     @property
     def stress(self):
-        """C eps(u_h), CoefficientFunction (d, d) [stress]."""
+        """C eps(u_h), CoefficientFunction (d, d) [stress], in the elements; on boundaries take `Force` or `Traction`."""
         return self.disc.problem.material.Stress(self.strain)
 
     @cached_property
@@ -188,6 +190,43 @@ class ContactSolution:
     def At(self, *point):
         """u_h at a point of the body, (d,) [length]."""
         return np.array(self.gfu(self.disc.mesh(*point)))
+
+    @cached_property
+    def tractions(self):
+        """`tractions.FacetTractions`: tractions on all boundaries and interfaces, and their integrals over the facets."""
+        return Tractions(self)
+
+    def Force(self, region, *, material=None):
+        """Force on the body through a boundary region, (d,) [stress length^(d-1)]: loads, reactions and contact alike.
+
+        The integral of `Traction`, in balance to round-off; forces of added forms are not in it.  With `material`, a regular
+        expression: on that part of the body, through the facets of the region, also inside the body.  There without material:
+        on the side whose outward normal `flux` has (`interfaces.Interfaces`).
+
+        Raises ProblemError for a region or material that is not there, or if the side cannot be told.
+
+        >>> from ngdgc import *
+        >>> from ngdgc.meshes import RectangleMesh
+        >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), Foundation("bottom", NormalCompliance(10)),
+        ...                          dirichlet={"top": (0, -0.1)})
+        >>> solution = Solve(Discretization(problem, Conforming(), RectangleMesh(4), order=2))
+        >>> bool(abs(solution.Force("bottom")[1] - solution.normalforce) < 1e-12), solution.Force("left|right").tolist()
+        (True, [0.0, 0.0])
+        """
+        return Force(self, region, material)
+
+    def Mean(self, region):
+        """Mean displacement of a boundary region, (d,) [length]; inside the body the mean of both sides."""
+        return Mean(self, region)
+
+    def Traction(self, region):
+        """sigma n on a boundary region, a CoefficientFunction (d,) [stress] for boundary integrals and boundary points.
+
+        The numerical flux `flux`, or of Conforming C eps(u_h) n corrected to balance (`conformingtractions`), f_2 and -t.
+        Integrate(solution.Traction("left"), mesh, definedon=mesh.Boundaries("left")) is Force("left"), on curved boundaries up
+        to quadrature.
+        """
+        return Traction(self, region)
 
     def Resultants(self):
         """Force and moment of every support, load and foundation, a list of `Resultant`."""

@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import pytest
 from mistakes_commands import COMMANDS
 from mistakes_data import DATA
+from mistakes_forces import FORCES
 from mistakes_iterations import FAILURES
 from mistakes_laws import LAWS
 from mistakes_problems import PROBLEMS
@@ -27,7 +28,7 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw")
-ROWS = DATA + LAWS + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
+ROWS = DATA + FORCES + LAWS + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
 
 
 @cache

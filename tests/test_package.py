@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols", "tables"],
+LAYERS = [["exceptions", "formula", "interfaces", "report", "parallel", "peers", "protocols", "tables"],
           ["arguments", "casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["quadrature"], ["storage"],
@@ -25,7 +25,8 @@ LAYERS = [["exceptions", "formula", "report", "parallel", "peers", "protocols", 
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["cycles"], ["methods", "solenoidal"],
           ["preconditioner"], ["iterative"], ["inverses"], ["equations"], ["discretization"], ["graph"],
-          ["fluxes", "resultants", "compliance", "coarsening", "subspace", "fingerprint"], ["archive"], ["solution"],
+          ["fluxes", "tractions", "cuts"], ["conformingtractions"],
+          ["forces", "resultants", "compliance", "coarsening", "subspace", "fingerprint"], ["archive"], ["solution"],
           ["solvers.driver", "solvers.equation", "solvers.recycling", "solvers.stiffness"],
           ["solvers.reduced"],
           ["solvers.contraction", "solvers.steps"],

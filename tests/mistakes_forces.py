@@ -1,0 +1,20 @@
+"""Mistakes with forces through regions, as in `mistakes`."""
+
+from mistakes import Disc
+from test_forces import Layers
+from test_interfaces import LINE, RING, Crossed
+
+from ngdgc import Solve
+
+FORCES = [
+    (lambda _: Solve(Disc()).Force("buttom"), "boundary 'buttom' matches none | bottom, left, right, top | choose"),
+    (lambda _: Solve(Disc()).Mean("(?i)TOP"), "boundary region is '(?i)TOP' | a regular expression | give a name"),
+    (lambda _: Solve(Disc()).Force("top", material="steel"), "material 'steel' matches none | dom | choose"),
+    (lambda _: Solve(Disc(mesh=Layers(2))).Force(".*"),
+     "region '.*' has facets on the boundary of the body and facets inside it | one kind | give"),
+    (lambda _: Solve(Disc(mesh=Layers(2))).Force("top", material="soft"),
+     "region 'top' is no boundary of material 'soft' | one that touches it | give"),
+    (lambda _: Solve(Disc(mesh=Crossed({"ring": [RING]}))).Force("ring", material=".*"),
+     "region 'ring' has material '.*' on both sides | without material= | give"),
+    (lambda _: Solve(Disc(mesh=Crossed({"lines": [LINE, RING[:2]]}))).Force("lines"),
+     "region 'lines' is an interface of several pieces | on which side | give material=")]

@@ -12,6 +12,7 @@ from typing import Any, TYPE_CHECKING
 
 import numpy as np
 
+from .calls import ByKeyword
 from .discretization import Discretization
 from .errors import StrainError
 from .exceptions import ProblemError
@@ -29,6 +30,7 @@ GOALS = 1e-2, 1e-3, 1e-5        # relative errors that are asked for
 FINEST = 256                    # cells per side at most
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Series:
     """Runs of one method of one order on refined meshes.
@@ -58,6 +60,7 @@ class Series:
                      for values in (self.seconds, self.dofs))
 
 
+@ByKeyword
 def Study(exact: Exact, method: Method, *, order: int = 1, cells: str = "triangle", budget: float = 5.0,
           callback: Callable[[str], object] | None = None) -> Series:
     """The Series of an `Exact` problem on UnitMesh(n, cells), n = 2, 4, 8, ..., until a run takes more than `budget` seconds.
@@ -81,6 +84,7 @@ def Study(exact: Exact, method: Method, *, order: int = 1, cells: str = "triangl
     return Series(Label(method), cells, order, *np.array(rows, dtype=float).T)
 
 
+@ByKeyword
 def Rows(series):
     """Cells of the table: for every goal seconds and unknowns, a dash where no mesh came so far, or all did better."""
     for one in series:
@@ -91,6 +95,7 @@ def Rows(series):
 HEADER = ("method", "cells", "order", *(f"{100 * goal:g} %" for goal in GOALS))
 
 
+@ByKeyword
 def Text(series):
     """The table for a terminal."""
     return "\n".join(Aligned([HEADER, *Rows(series)]))
@@ -105,6 +110,7 @@ unknowns, interpolated between meshes; a dash stands where no mesh was fine enou
 """
 
 
+@ByKeyword
 def Page(series, *, budget):
     """The page, Markdown, of studies with a budget [s]; its figures are images/accuracy_CELLS.png."""
     lines = [INTRODUCTION.format(budget=budget)]

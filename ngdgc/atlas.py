@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 import numpy as np
 from ngsolve import CF, x, y
 
+from .calls import ByKeyword
 from .cases import example_4_1, example_4_2
 from .discretization import Discretization
 from .elasticity import HookeMaterial
@@ -30,6 +31,7 @@ EXAMPLES = {"4.1": example_4_1, "4.2": example_4_2}
 YOUNG = {"4.1": 2000, "4.2": 2500, "block": 1000, "box": 1000}      # E [stress]
 
 
+@ByKeyword
 def Solvers(*, tol=TOL, limit=LIMIT):
     """{label: solver}, from the paper's iteration to the default of the package."""
     def Uzawa(**arguments):
@@ -41,6 +43,7 @@ def Solvers(*, tol=TOL, limit=LIMIT):
             "Newton": SemismoothNewtonSolver(tol=tol), "nested Newton": NestedNewtonSolver(tol=tol)}
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class Point:
     """A discrete problem of the atlas.
@@ -99,6 +102,7 @@ VARIABLES = {"problem": "problem", "stiffness": "stiffness k_n/E", "coefficient"
              "n": "cells per side n = 1/h", "order": "order k", "method": "method"}
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Sweep:
     """Points that differ in one attribute, `variable`, one of VARIABLES; `what` they have in common, as a title."""
@@ -116,6 +120,7 @@ def _Vary(what, variable, values, **base):
     return Sweep(what, variable, tuple(Point(**{**base, variable: value}) for value in values))
 
 
+@ByKeyword
 def Sweeps():
     """{name: Sweep} of the whole atlas."""
     stiffness = (1e-3, 1e-2, 0.1, 1, 10, 100, 1e3, 1e5, 1e7, 1e9)
@@ -135,6 +140,7 @@ def Sweeps():
     return sweeps
 
 
+@ByKeyword
 def QuickSweeps():
     """{name: Sweep} of a few tiny problems that show what the atlas does, not what it finds."""
     return {"own": _Vary("The paper's examples", "problem", tuple(EXAMPLES), stiffness=None, n=2),
@@ -144,6 +150,7 @@ def QuickSweeps():
             "box": _Vary("Box of tetrahedra", "n", (1,), problem="box")}
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class Row:
     """What one solver took for one point.
@@ -180,6 +187,7 @@ class Row:
         return {"sweep": values.pop("sweep"), **values.pop("point"), **values}
 
 
+@ByKeyword
 def Run(point, label, solver, references):
     """The Row of one solver for one point, on a Discretization of its own so that it pays for its factorisations itself.
 
@@ -204,6 +212,7 @@ def Run(point, label, solver, references):
     return replace(row, difference=max(float(np.abs(a - b).max() / np.abs(b).max()) for a, b in zip(found, references[0])))
 
 
+@ByKeyword
 def Cause(message):
     """What a NotConvergedError says before numbers and remedies.
 
@@ -218,6 +227,7 @@ TOOLARGE = "not run on this mesh"
 FINEST = {"nested Newton": 256, "Newton": 128}     # cells per side for which a solver is quick enough; others 64
 
 
+@ByKeyword
 def Study(sweeps, *, limit=LIMIT, callback=None):
     """Yield the Rows of every point of the sweeps, a dictionary such as `Sweeps()`, and all `Solvers`, as they come.
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ngsolve import CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf
 
+from .calls import ByKeyword
 from .coefficients import Unfolded
 from .elasticity import Strain
 from .errors import EXTRA
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from .discretization import Discretization
 
 
+@ByKeyword
 def ConsistencyResidual(disc: Discretization, displacement: Coefficient) -> float:
     """sup |B_h(u, v) - (f, v) + int_GammaC t.v|/|||v||| over V_h for the exact solution u (Lemma 3.1), t = -sigma(u) n.
 
@@ -46,6 +48,7 @@ def ConsistencyResidual(disc: Discretization, displacement: Coefficient) -> floa
     return DualNorm(disc, ConsistencyVector(disc, displacement))
 
 
+@ByKeyword
 def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     """The coefficients (ndof,) of v -> B_h(u, v) - (f, v) + int_GammaC t.v, arguments as in `ConsistencyResidual`.
 

@@ -11,11 +11,11 @@ import scipy.sparse as sp
 from ngsolve import VOL, ElementId
 
 from .coefficients import ValuesAt
-from .exceptions import ProblemError
 from .hypotheses import CheckCompliance, CheckFriction, SlipFactor
 from .laws import LawAt
 from .protocols import Array
 from .quadrature import BoundaryQuadrature
+from .userlaws import CheckFinite
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
 CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
@@ -98,11 +98,11 @@ class ContactBoundary:
 
     def Pressure(self, r: Array) -> Array:
         """p_n(r), (n,) [stress]."""
-        return self._Laws(lambda here, compliance, friction: compliance.Pressure(r[here]))
+        return self._Laws("Pressure", r, lambda here, compliance, friction: compliance.Pressure(r[here]))
 
     def PressureDerivative(self, r: Array) -> Array:
         """p_n'(r), (n,) [stress/length]."""
-        return self._Laws(lambda here, compliance, friction: compliance.PressureDerivative(r[here]))
+        return self._Laws("PressureDerivative", r, lambda here, compliance, friction: compliance.PressureDerivative(r[here]))
 
     def Bound(self, r: Array, slip: Array) -> Array:
         """p_t from penetration and slip |u_t|, (n,) [stress]; zero where there is no friction law."""
@@ -110,19 +110,17 @@ class ContactBoundary:
             if friction is None:
                 return 0
             return friction.Bound(r[here], compliance.Pressure(r[here])) * SlipFactor(friction, slip[here])[0]
-        return self._Laws(OfPart)
+        return self._Laws("Bound", r, OfPart)
 
     def Slip(self, displacement: Array) -> Array:
         """|u_t|, (n,) [length]."""
         return np.linalg.norm(self.Tangential(displacement), axis=1)
 
-    def _Laws(self, evaluate):
+    def _Laws(self, method, r, evaluate):
         values = np.empty(len(self.weights))
         for _, here, compliance, friction in self.parts:
             values[here] = evaluate(here, compliance, friction)
-        if not np.all(np.isfinite(values)):
-            raise ProblemError("a contact law returned a value that is not finite; "
-                               "look at its exponent and its data for the penetrations that occur")
+        CheckFinite(self, method, values, r)
         return values
 
     def TraceProjection(self, traction: Array) -> Array:

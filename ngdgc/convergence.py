@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from ngsolve import Mesh
 
+from .calls import ByKeyword
 from .discretization import Discretization
 from .errors import EnergyError, L2Error, Rates
 from .exceptions import ProblemError
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
 SOLVER = UzawaSolver()
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Series:
     """Errors of one method of one order on meshes 1/n of one kind of cells.
@@ -49,6 +51,7 @@ class Series:
         return Rates(self.energy, ratio), Rates(self.l2, ratio)
 
 
+@ByKeyword
 def Study(exact: Exact, method: Method, *, order: int = 1, n: Sequence[int] = (4, 8, 16), cells: str = "triangle",
           mesh: Callable[..., Mesh] = UnitMesh, solver: Solver = SOLVER,
           callback: Callable[[str], object] | None = None) -> Series:
@@ -83,6 +86,7 @@ def Study(exact: Exact, method: Method, *, order: int = 1, n: Sequence[int] = (4
 HEADER = ("method", "cells", "order", "n", "dofs", "energy error", "rate", "L2 error", "rate")
 
 
+@ByKeyword
 def Rows(series):
     """Cells of the table, one row per mesh, as text."""
     for one in series:
@@ -91,11 +95,13 @@ def Rows(series):
             yield (one.label, one.cells, str(one.order), str(n), str(dofs), f"{energy:.3e}", up, f"{l2:.3e}", down)
 
 
+@ByKeyword
 def Text(series):
     """The table for a terminal."""
     return "\n".join(Aligned([HEADER, *Rows(series)]))
 
 
+@ByKeyword
 def Summary(series):
     """Markdown: one row per series with the errors on its finest mesh and the last observed orders."""
     rows = [("method", "cells", "order", "n", "energy error", "rate", "L2 error", "rate")]

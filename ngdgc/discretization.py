@@ -10,6 +10,7 @@ import numpy as np
 import scipy.sparse as sp
 from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Mesh, Norm, ds, dx
 
+from .calls import ByKeyword
 from .coefficients import LOADBONUS, Unfolded
 from .contact import ContactBoundary
 from .equations import LinearEquations
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 SOFT = 1e-3     # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
 
 
+@ByKeyword
 class Discretization(LinearEquations):
     """The discrete problem A u = f - T' W t, t = law(T u), of a method of order k >= 1 on a mesh.
 
@@ -77,6 +79,10 @@ class Discretization(LinearEquations):
     def __repr__(self):
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "
                 f"{self.space.ndof} dofs, {len(self.contact.weights)} contact points)")
+
+    def __reduce_ex__(self, protocol: Any) -> Any:
+        raise ProblemError("a Discretization has a mesh and a factorised matrix, which are not copied or pickled; make another "
+                           "one, Discretization(problem, method, mesh, order=1): problems, methods and solvers can be pickled")
 
     @cached_property
     def form(self) -> Any:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import CF, Grad, Id, Mesh, Sym, Trace
 
+from .calls import ByKeyword
 from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
 from .exceptions import ProblemError
 from .formula import Described
@@ -36,6 +37,7 @@ def StiffnessAt(material: HookeMaterial | AnisotropicMaterial, points: Any, dim:
     return C
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class HookeMaterial:
     """Isotropic material, C eps = lam tr(eps) I + 2 mu eps.
@@ -119,6 +121,7 @@ class HookeMaterial:
         CheckRange(mesh.dim * lam + 2 * mu, f"{mesh.dim}*lam + 2*mu", above=0)
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class AnisotropicMaterial:
     """General C, given by its symmetric positive definite Voigt matrix [stress].

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from ngsolve import InnerProduct, Integrate
 
+from .calls import ByKeyword
 from .coefficients import Vector
 from .exact import ExactStrain
 from .exceptions import ProblemError
@@ -16,6 +17,7 @@ from .solution import CheckSolution, ContactSolution
 EXTRA = 6       # quadrature degree beyond 2 k: smooth exact solutions are integrated to round-off on unit-size problems
 
 
+@ByKeyword
 def L2Error(solution: ContactSolution, displacement: Coefficient) -> float:
     """|u - u_h| in L2(Omega) for a CoefficientFunction u [length^(1 + d/2)], which may be the GridFunction of another solution.
 
@@ -34,6 +36,7 @@ def L2Error(solution: ContactSolution, displacement: Coefficient) -> float:
     return _Norm(InnerProduct(difference, difference), solution)
 
 
+@ByKeyword
 def EnergyError(solution: ContactSolution, displacement: Coefficient) -> float:
     """Square root of int C eps_h(u - u_h):eps_h(u - u_h), the paper's |.|_{1,h} [sqrt(stress length^d)]; u as for `L2Error`.
 
@@ -43,6 +46,7 @@ def EnergyError(solution: ContactSolution, displacement: Coefficient) -> float:
     return _Norm(InnerProduct(solution.disc.problem.material.Stress(difference), difference), solution)
 
 
+@ByKeyword
 def StrainError(solution: ContactSolution, displacement: Coefficient) -> float:
     """|eps_h(u - u_h)|/|eps(u)| in L2(Omega), no unit: the broken H1 error without C, which lam does not weight.
 
@@ -70,6 +74,7 @@ def _Norm(square, solution):
     return float(np.sqrt(max(Integrate(square, solution.disc.mesh, order=2 * solution.disc.order + EXTRA), 0)))
 
 
+@ByKeyword
 def Rates(errors: Any, ratio: float = 2) -> Array:
     """Observed orders log(e_i/e_(i+1))/log(ratio) of errors on meshes refined by `ratio`, a number or one per refinement.
 

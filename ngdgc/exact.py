@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 from ngsolve import CF, Sym, exp, specialcf, x, y, z
 
+from .calls import ByKeyword
 from .derivatives import Derivative
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
@@ -26,6 +27,7 @@ WALLS = {2: "left|right", 3: "back|left|front|right"}      # all but bottom and 
 OBLIQUE = 0.6, 0.8      # direction of the tangential displacement on Gamma_C in 3D: no axis, no diagonal of a mesh
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Exact:
     """A problem, its exact displacement (CoefficientFunction, d components) [length], and its zones.
@@ -44,6 +46,7 @@ def _Everywhere(zone):
     return lambda points: np.full(len(points), zone)
 
 
+@ByKeyword
 def ExactStrain(u: Any) -> Any:
     """eps(u) of a CoefficientFunction with d = 2 or 3 components, by symbolic differentiation, shape (d, d), no unit.
 
@@ -54,12 +57,14 @@ def ExactStrain(u: Any) -> Any:
     return Sym(CF(tuple(slopes[j][i] for i in range(d) for j in range(d)), dims=(d, d)))
 
 
+@ByKeyword
 def BodyForce(material: Any, u: Any) -> Any:
     """f_1 = -div C eps(u) [stress/length], for constant or varying C; ProblemError if u or C has no symbolic derivative."""
     stress = material.Stress(ExactStrain(u))
     return CF(tuple(-sum(Derivative(stress[i, j], j, "the stress") for j in range(u.dim)) for i in range(u.dim)))
 
 
+@ByKeyword
 def Traction(material: Any, u: Any) -> Any:
     """sigma(u) n on the boundary [stress]."""
     return material.Stress(ExactStrain(u)) * specialcf.normal(u.dim)
@@ -70,12 +75,14 @@ def _Plane(ut, un, dim):
     return CF((ut, un)) if dim == 2 else CF((OBLIQUE[0] * ut, OBLIQUE[1] * ut, un))
 
 
+@ByKeyword
 def CheckDimension(dim: int) -> None:
     """Raise ProblemError unless dim is 2 or 3."""
     if dim not in (2, 3):
         raise ProblemError(f"dim is {dim!r}; choose 2 or 3")
 
 
+@ByKeyword
 def AffinePatch(zone: str, *, material: HookeMaterial | None = None, stiffness: float = 100.0, exponent: float = 1,
                 bound: float = 3.0, gap: float = 0.1, coulomb: float | None = None, sides: str = "dirichlet",
                 dim: int = 2) -> Exact:
@@ -122,6 +129,7 @@ def _Supports(material, u, sides):
     raise ProblemError(f"sides is {sides!r}; choose 'dirichlet', 'traction' or 'roller'")
 
 
+@ByKeyword
 def WinklerColumn(*, stiffness: float = 100.0, exponent: float = 1, material: HookeMaterial | None = None, gap: float = 0.1,
                   pressure: float = 20.0, height: float = 1.0, load: str = "displacement") -> Exact:
     """B1: a column of height H between rollers, pressed down at its top; u_y is linear.
@@ -149,6 +157,7 @@ def WinklerColumn(*, stiffness: float = 100.0, exponent: float = 1, material: Ho
     return Exact(problem, CF((0, -depth - rate * y)), _Everywhere(SLIP))
 
 
+@ByKeyword
 def SmoothSlip(*, lam: float = 1.0, mu: float = 2.0, stiffness: float = 1.0, exponent: float = 1, dim: int = 2) -> Exact:
     """B2: smooth solution that slips everywhere, after Chouly, Ern, Pignet, SIAM J. Sci. Comput. 42 (2020).
 
@@ -176,6 +185,7 @@ def SmoothSlip(*, lam: float = 1.0, mu: float = 2.0, stiffness: float = 1.0, exp
     return Exact(problem, u, _Everywhere(SLIP))
 
 
+@ByKeyword
 def CubicCompliance(*, E: float = 12000.0, nu: float = 0.42, alpha: float = 0.05, friction: FrictionLaw | None = None) -> Exact:
     """B5: u = alpha (2xy + x y^2, -x^2 (1 + y)) on (0,2) x (0,1), after an example of the program conmech.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 
@@ -16,8 +17,32 @@ class ProblemError(ValueError):
     """
 
 
+@dataclass(frozen=True, eq=False)
+class LastIterate:
+    """What a copy of an error keeps of a ContactSolution, plain data: the solution belongs to a mesh and a matrix.
+
+    vector : coefficients of u_h (ndof,);  traction : (n, d) at the contact points [stress];  history : list of Step
+    """
+
+    vector: Any
+    traction: Any
+    history: list
+    converged: bool
+    solver: str
+
+
+def _CheckHistory(solution):
+    if not isinstance(getattr(solution, "history", None), list):
+        raise ProblemError(f"solution is {solution!r}; give a ContactSolution, whose history the error tells")
+
+
+def _Plain(solution):
+    return LastIterate(solution.vector.copy(), solution.traction.copy(), list(solution.history), solution.converged,
+                       solution.solver)
+
+
 class NotConvergedError(RuntimeError):
-    """An iteration that did not reach its tolerance.
+    """An iteration that did not reach its tolerance.  Copies, as processes hand them on, keep plain data, a `LastIterate`.
 
     Attributes
     ----------
@@ -42,14 +67,22 @@ class NotConvergedError(RuntimeError):
 
     def __init__(self, message: str, solution: Any, contraction: Any = None) -> None:
         super().__init__(message)
+        _CheckHistory(solution)
         self.solution = solution
         self.history = solution.history
         self.contraction = contraction
 
+    def __reduce__(self):
+        return type(self), (str(self), _Plain(self.solution), self.contraction)
+
 
 class SolveInterrupted(KeyboardInterrupt):
-    """Ctrl-C during an iteration; `solution` is the last iterate."""
+    """Ctrl-C during an iteration; `solution` is the last iterate, in copies as in those of NotConvergedError."""
 
     def __init__(self, solution: Any) -> None:
+        _CheckHistory(solution)
         super().__init__(f"interrupted after {len(solution.history)} iterations; the last iterate is its attribute solution")
         self.solution = solution
+
+    def __reduce__(self):
+        return type(self), (_Plain(self.solution),)

@@ -8,6 +8,7 @@ from matplotlib import colormaps
 from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, VTKOutput, sqrt
 from ngsolve.webgui import Draw
 
+from .calls import ByKeyword
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
 from .facets import Coordinates, VolumePoints
@@ -65,6 +66,7 @@ CONTROLS = """<div class="unit">|u| [length]</div>
 """
 
 
+@ByKeyword
 class Scene:
     """The deformed body, coloured by |u| [length], in NGSolve's viewer: the last line of a notebook cell shows it.
 
@@ -99,6 +101,7 @@ class Scene:
         return _Page(states, self.solution, self.scale, labels=None)
 
 
+@ByKeyword
 class Animation(Scene):
     """A list of solutions, for example of load steps, one after the other in NGSolve's viewer, as a `Scene`.
 
@@ -125,6 +128,7 @@ class Animation(Scene):
         return _Page(states, self.solution, self.scale, labels)
 
 
+@ByKeyword
 def WriteHTML(solution, path, *, scale=1):
     """Write the page of a `Scene`; returns its Path."""
     return Scene(solution, scale=scale).Write(path)
@@ -182,6 +186,7 @@ def _Camera(shown, scale):
     return {"center": centre.tolist(), "radius": 0.65 * float(np.linalg.norm(upper - lower))}
 
 
+@ByKeyword
 def WriteVTK(solution, path):
     """Write a VTK file (.vtu) with every element's own points, so that the jumps of a DG solution are kept.
 
@@ -204,6 +209,7 @@ def WriteVTK(solution, path):
     return path
 
 
+@ByKeyword
 def SpatialStress(solution):
     """C eps(u_h) as a CoefficientFunction (3, 3) [stress].
 
@@ -218,6 +224,7 @@ def SpatialStress(solution):
     return CF((stress[0, 0], stress[0, 1], 0, stress[1, 0], stress[1, 1], 0, 0, 0, normal), dims=(3, 3))
 
 
+@ByKeyword
 def VonMises(stress):
     """sqrt(3/2 s:s) with the deviator s = sigma - tr(sigma)/3 I, for sigma of shape (3, 3) [stress]."""
     return sqrt(1.5 * InnerProduct(stress, stress) - 0.5 * Trace(stress)**2)

@@ -7,17 +7,20 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from .calls import ByKeyword
 from .coefficients import Pointwise, RegionName, Scalar
 from .exceptions import ProblemError
 from .formula import Described
 from .hypotheses import CheckCompliance, CheckFriction, CheckLaws
 from .laws import ComplianceLaw, FrictionLaw
 from .protocols import Compliance, Datum, Friction
+from .userlaws import Watched
 
 if TYPE_CHECKING:
     from .hypotheses import LawReport
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Foundation:
     """A deformable foundation under the boundary region `boundary` (a regular expression, as in NGSolve).
@@ -54,9 +57,9 @@ class Foundation:
                                "Bound(r, p), or None")
         object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
         if not Pointwise(self.compliance):
-            CheckCompliance(self.compliance, 1, f"the foundation of {self.boundary!r}")
+            CheckCompliance(Watched(self.compliance), 1, f"the foundation of {self.boundary!r}")
         if self.friction is not None and not Pointwise(self.friction):
-            CheckFriction(self.friction, np.ones(1), np.ones(1), f"the foundation of {self.boundary!r}")
+            CheckFriction(Watched(self.friction), np.ones(1), np.ones(1), f"the foundation of {self.boundary!r}")
 
     def Check(self, *, depth: float = 1.0, slip: float = 1.0) -> LawReport:
         """The `LawReport` of both laws for penetrations up to `depth` and slips up to `slip` [length]; see `CheckLaws`."""

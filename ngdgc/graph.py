@@ -19,11 +19,13 @@ import numpy as np
 
 from .exceptions import ProblemError
 from .hypotheses import BoundDerivatives, SlipFactor
+from .userlaws import CheckFinite, LawName
 
 SEPARATION, STICK, SLIP = 0, 1, 2
 ZONES = ("separation", "stick", "slip")
 STEPS = 200     # of the safeguarded iteration for one scalar equation; bisection alone needs 60
 LEAST = 1e-3    # scale of friction, relative to the tractions
+MISSED = 1e-9   # of the scalar equation, relative: more is no round-off, its value jumps
 
 
 @dataclass(frozen=True)
@@ -54,7 +56,7 @@ class ContactGraph:
         qn = contact.Normal(q)
         qt = q - qn[:, None] * normals
         r, p, dr = (np.empty(len(scale)) for _ in range(3))
-        bound, dbound, slip, dslip, cross = (np.zeros(len(scale)) for _ in range(5))
+        base, dbase, bound, slip, dslip, cross = (np.zeros(len(scale)) for _ in range(6))
         length = np.linalg.norm(qt, axis=1)
         for _, here, compliance, friction in contact.parts:
             gamma = scale[here]
@@ -62,22 +64,21 @@ class ContactGraph:
             if friction is None:
                 slip[here], dslip[here] = length[here] / gamma, 1 / gamma
                 continue
-            base = np.asarray(friction.Bound(r[here], p[here]))
+            base[here] = friction.Bound(r[here], p[here])
             byr, byp = BoundDerivatives(friction, r[here], p[here])
-            slip[here], factor, slope = SlipPart(friction, gamma, base, length[here])
-            bound[here] = base * factor
+            slip[here], factor, slope = SlipPart(friction, gamma, base[here], length[here])
+            bound[here] = base[here] * factor
             # Derivative of the base by q_n, dp/dq_n being 1 - gamma dr/dq_n.
-            dbound[here] = (byr * dr[here] + byp * (1 - gamma * dr[here])) * factor
+            dbase[here] = byr * dr[here] + byp * (1 - gamma * dr[here])
             dslip[here] = 1 / (gamma + slope)
-            cross[here] = dbound[here] * dslip[here]
+            cross[here] = dbase[here] * factor * dslip[here]
         sliding = length >= bound
         direction = qt / np.where(length > 0, length, 1)[:, None]
         friction = np.where(sliding, bound, length)
         traction = p[:, None] * normals + friction[:, None] * direction
         displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
-        if not all(np.all(np.isfinite(values)) for values in (traction, displacement, bound)):
-            raise ProblemError("a contact law returned a value that is not finite; "
-                               "look at its exponent and its data for the penetrations that occur")
+        self._CheckFinite(q, r, slip, {"Pressure": p + r, "PressureDerivative": dr, "Bound": base, "BoundDerivatives": dbase,
+                                       "Coefficient": bound + dslip + slip})
         zones = np.where(p <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
         # dt_t/dq = (|t_t|/|q_t|)(P - e e') + (1 - gamma ds/d|q_t|) e e' + gamma ds/d(bound) dbound/dq_n e n', P = I - n n'.
         ratio = np.where(sliding, bound / np.where(length > 0, length, 1), 1)
@@ -90,6 +91,14 @@ class ContactGraph:
         still = (length == 0) & ~sliding
         derivative[still] = ((1 - scale * dr)[:, None, None] * normal + np.eye(contact.dim) - normal)[still]
         return GraphPoint(q, displacement, traction, derivative, zones)
+
+    def _CheckFinite(self, q, r, slip, values):
+        if not np.all(np.isfinite(q)):
+            raise ProblemError("displacement and traction of a contact point are not finite; look for data of extreme size")
+        sought = (self.contact.Normal(q) / self.scale) - self.contact.gap       # of a law that is finite nowhere
+        for method, found in values.items():
+            where = (slip, "slip") if method == "Coefficient" else (np.where(np.isfinite(r), r, sought), "penetration")
+            CheckFinite(self.contact, method, found, *where)
 
 
 @dataclass(frozen=True)
@@ -158,11 +167,36 @@ def _Outer(a, b):
     return a[:, :, None] * b[:, None, :]
 
 
+def CheckEnds(contact, displacement, traction):
+    """Raise ProblemError if displacement and traction (n, d) are where a law has ended.
+
+    Beyond the last penetration, or slip, at which a law is finite its graph goes on as that of a rigid wall, so that iterations
+    may pass there; a solution on the wall is none of the law.
+    """
+    uscale, tscale = Scales(contact, displacement, traction)
+    gamma = np.full(len(contact.weights), tscale / uscale)
+    q = contact.Normal(traction) + gamma * contact.Penetration(displacement)
+    length = np.linalg.norm(contact.Tangential(traction + gamma[:, None] * displacement), axis=1)
+    for _, here, compliance, friction in contact.parts:
+        _RaiseWhere(f"{LawName(compliance)}.Pressure", "penetration", *Resolvent(
+            compliance.Pressure, compliance.PressureDerivative, gamma[here], q[here]))
+        if friction is not None:
+            base = friction.Bound(*NormalPart(compliance, gamma[here], q[here])[:2])
+            _RaiseWhere(f"{LawName(friction)}.Coefficient", "slip", *_Slip(friction, gamma[here], base, length[here]))
+
+
+def _RaiseWhere(method, word, values, ended):
+    if np.any(ended):
+        raise ProblemError(f"{method} is not finite beyond {word} {values[ended].min():.6g}, and more would be needed: the law "
+                           f"ends there; give it values for larger {word}s, or make the loads smaller")
+
+
 def NormalPart(law, gamma, q):
-    """(r, p, dr/dq) with p = p_n(r) and p + gamma r = q, arrays (n,)."""
-    r = Resolvent(law.Pressure, law.PressureDerivative, gamma, q)
+    """(r, p, dr/dq) with p = p_n(r) and p + gamma r = q, arrays (n,); where the law has ended, a rigid wall."""
+    r, ended = Resolvent(law.Pressure, law.PressureDerivative, gamma, q)
     with np.errstate(all="ignore"):
         slope = np.where(r > 0, law.PressureDerivative(np.where(r > 0, r, 0)), 0)
+        slope = np.where(ended, np.inf, slope)
         # Where the law is stiff p_n(r) would multiply the round-off of r by p_n'.
         p = np.where(r > 0, np.where(slope < gamma, law.Pressure(r), q - gamma * r), 0)
         return r, p, 1 / (gamma + slope)
@@ -170,25 +204,27 @@ def NormalPart(law, gamma, q):
 
 def SlipPart(law, gamma, base, length):
     """(s, factor, d(base factor)/ds) with base factor(s) + gamma s = length where length > base factor(0), else s = 0."""
-    def Value(s):
-        return base * SlipFactor(law, s)[0]
-
-    def Slope(s):
-        return base * SlipFactor(law, s)[1]
-
-    slip = Resolvent(Value, Slope, gamma, length)
+    slip, ended = _Slip(law, gamma, base, length)
     factor, slope = SlipFactor(law, slip)
+    if np.any(ended):
+        return slip, np.where(ended, (length - gamma * slip) / base, factor), np.where(ended, np.inf, base * slope)
     return slip, factor, base * slope
 
 
-def Resolvent(Value, Derivative, gamma, q):
-    """x >= 0 with Value(x) + gamma x = q where q > Value(0), by Newton's iteration inside a bracket; else min(q, 0)/gamma.
+def _Slip(law, gamma, base, length):
+    """`Resolvent` of the friction at points with these bounds without slip."""
+    return Resolvent(lambda s: base * SlipFactor(law, s)[0], lambda s: base * SlipFactor(law, s)[1], gamma, length)
 
-    Arguments and results are arrays (n,); Value >= 0.  A Value that is finite nowhere gives nan.
+
+def Resolvent(Value, Derivative, gamma, q):
+    """(x, ended): x >= 0 with Value(x) + gamma x = q where q > Value(0), else min(q, 0)/gamma.
+
+    By Newton's iteration inside a bracket.  Arguments and results are arrays (n,); Value >= 0.  A value that is not finite
+    counts as too large: a law may end somewhere.
+    Where that decides, x is the last point at which Value is finite, and `ended` True.  Finite nowhere gives nan.
     """
     start = np.zeros_like(q)
     with np.errstate(all="ignore"):
-        # A value that is not finite counts as too large: a law may end at some penetration.
         free = ~(q <= Value(start))
         low, high = start, np.maximum(q, 0) / gamma
         x = high.copy()
@@ -202,5 +238,8 @@ def Resolvent(Value, Derivative, gamma, q):
             if np.all(done):
                 break
             x = np.where(done, x, new)
-        x = np.where(np.isfinite(Value(x)), x, np.where(low > 0, low, np.nan))
-    return np.where(free, x, np.minimum(q, 0) / gamma)
+        excess = Value(x) + gamma * x - q
+        missed = free & ~(np.abs(excess) <= MISSED * q)
+        ended = missed & ~np.isfinite(Value(high)) if np.any(missed) else missed
+        x = np.where(np.isfinite(excess), x, np.where(low > 0, low, np.nan))
+    return np.where(free, x, np.minimum(q, 0) / gamma), ended

@@ -8,6 +8,7 @@ from itertools import product
 
 from ngsolve import CF, x
 
+from .calls import ByKeyword
 from .cases import example_4_1, example_4_2
 from .elasticity import HookeMaterial
 from .exceptions import ProblemError
@@ -26,6 +27,7 @@ EVERYTHING = ((0.05, 0.1, 0.2, 0.5, 0.7, 1.0), tuple(10.0 ** power for power in 
               tuple(product((8, 16, 32, 64, 128, 256), (1, 2, 3, 4))))
 
 
+@ByKeyword
 def Grid(geometries=None, *, everything=False):
     """The grid as a list of pairs (number, `Sample`), interior penalty.
 
@@ -57,6 +59,7 @@ def _Sample(geometry, n, order, stiffness, coefficient):
     return Sample(problem, InteriorPenalty(), mesh, n, order, "coulomb", stiffness, coefficient, words)
 
 
+@ByKeyword
 def Block(stiffness: float, coefficient: float, *, depth: float = 0.01) -> ContactProblem:
     """A unit square with E = 1, its top lowered by `depth` [length] and sheared over a slope: it separates, sticks and slips.
 

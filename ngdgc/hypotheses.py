@@ -9,9 +9,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from .calls import ByKeyword
 from .coefficients import IsNumber, Pointwise
 from .exceptions import ProblemError
 from .protocols import Compliance, Friction
+from .userlaws import Watched
 
 SCALES = np.logspace(-6, 0, 25)     # of penetration, pressure and slip at which derivatives are compared
 STEP = 1e-5         # of differences, relative: their error is 1e-10 of the third derivative and 1e-11 of round-off
@@ -43,14 +45,14 @@ def SlipFactor(law, slip):
 def CheckCompliance(law, npoints, name):
     """Check (2.13) and the derivative of a law at `npoints` points, for penetrations from 1e-6 to 1."""
     for r in (-1.0, 0.0):
-        if np.any(law.Pressure(np.full(npoints, r)) != 0):
-            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}; it must be 0 for r <= 0 (2.13)")
+        p = law.Pressure(np.full(npoints, r))
+        if np.any(p != 0):
+            raise ProblemError(f"{name}: the pressure is not zero at penetration {r:g}, but {p[p != 0][0]:g}; it must be 0 for "
+                               "r <= 0 (2.13)")
     for r in SCALES:
         at = np.full(npoints, r)
         with np.errstate(all="ignore"):
             p = law.Pressure(at)
-        if np.shape(p) != at.shape:
-            raise ProblemError(f"{name}: the pressure has shape {np.shape(p)} for {npoints} points; give one value per point")
         if np.any(p < 0):
             raise ProblemError(f"{name}: the pressure at penetration {r:g} is negative; it must be >= 0 (2.13)")
         if _Differs(law.Pressure, law.PressureDerivative, at):
@@ -65,11 +67,11 @@ def CheckFriction(law, r, p, name):
     for fraction in SCALES:
         at, pressed = fraction * r, fraction * p
         with np.errstate(all="ignore"):
-            bound = np.asarray(law.Bound(at, pressed))
+            bound = law.Bound(at, pressed)
         # The unit of length is unknown: a law may overflow at the largest values, which may never occur.
-        if bound.shape != r.shape or np.any(bound < 0) or fraction == SCALES[0] and not np.all(np.isfinite(bound)):
-            raise ProblemError(f"{name}: the friction bound is negative, not finite, or not one value per point; it must be "
-                               "p_t >= 0, an array (npoints,)")
+        if np.any(bound < 0) or fraction == SCALES[0] and not np.all(np.isfinite(bound)):
+            raise ProblemError(f"{name}: the friction bound is negative or not finite at penetration {at[0]:g}; it must be "
+                               "p_t >= 0")
         if not hasattr(law, "BoundDerivatives"):
             continue
         for number, (word, Value, start) in enumerate((("penetration", lambda values, p=pressed: law.Bound(values, p), at),
@@ -84,11 +86,7 @@ def CheckFriction(law, r, p, name):
 
 def _CheckCoefficient(law, ones, name):
     for slip in (0.0, *SCALES):
-        try:
-            factor, _ = (np.broadcast_to(value, ones.shape) for value in law.Coefficient(slip * ones))
-        except (TypeError, ValueError):
-            raise ProblemError(f"{name}: Coefficient(slip) returns {law.Coefficient(slip * ones)!r}; give the pair of the "
-                               "factor and its derivative, one value per point each") from None
+        factor, _ = law.Coefficient(slip * ones)
         if np.any(factor < 0) or not np.all(np.isfinite(factor)):
             raise ProblemError(f"{name}: the friction Coefficient is negative or not finite at slip {slip:g}; it must be >= 0")
         if slip and _Differs(lambda s: law.Coefficient(s)[0], lambda s: law.Coefficient(s)[1], slip * ones):
@@ -110,6 +108,7 @@ def _Differs(Value, Derivative, at):
         return bool(np.any(smooth & (np.abs(derivative - slope) > TOLERANCE * scale)))
 
 
+@ByKeyword
 @dataclass(frozen=True, eq=False)
 class LawReport:
     """The constants of laws for penetrations up to `depth` and slips up to `slip` [length], arrays (npoints,) [stress/length].
@@ -157,6 +156,7 @@ def _Lipschitz(symbol, constants):
     return f"Lipschitz, {symbol} = {constants.max():.4g}" if np.all(np.isfinite(constants)) else "not Lipschitz"
 
 
+@ByKeyword
 def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth: float = 1.0, slip: float = 1.0,
               npoints: int = 1) -> LawReport:
     """The `LawReport` of a compliance law and a friction law or None, any objects with their methods.
@@ -178,6 +178,7 @@ def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth
     if Pointwise(compliance) or Pointwise(friction):
         raise ProblemError("the laws have data that are CoefficientFunctions, which have values only at points of a mesh; take "
                            "the laws in Discretization(...).contact.parts, or CheckUniqueness(disc)")
+    compliance, friction = Watched(compliance), Watched(friction)
     zeros = np.zeros(npoints)
     factor, weakening = np.ones(npoints), zeros
 

@@ -14,20 +14,22 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from ngsolve import CoefficientFunction
 
+from .calls import ByKeyword
 from .coefficients import CheckNumber, CheckRange, IsNumber, Pointwise, Scalar, ValuesAt
 from .exceptions import ProblemError
 from .formula import Described
 from .hypotheses import CheckLaws
 from .protocols import Array, Compliance, Datum
+from .userlaws import Watched
 
 if TYPE_CHECKING:
     from .hypotheses import LawReport
 
 
 def LawAt(law: Any, points: Any, name: str = "") -> Any:
-    """The law with every CoefficientFunction among its attributes replaced by its values at mesh points."""
+    """The law with every CoefficientFunction among its attributes replaced by its values at mesh points, `Watched`."""
     if not Pointwise(law):
-        return law
+        return Watched(law)
     law = copy(law)
     for attribute, value in list(vars(law).items()):
         if isinstance(value, CoefficientFunction):
@@ -35,14 +37,18 @@ def LawAt(law: Any, points: Any, name: str = "") -> Any:
             object.__setattr__(law, attribute, ValuesAt(value, points, name + attribute))
     if hasattr(law, "CheckData"):
         law.CheckData(name)
-    return law
+    return Watched(law)
 
 
+@ByKeyword
 class ComplianceLaw:
     """Normal compliance -sigma_n = p_n(r), r = u_n - g the penetration [length], p_n >= 0 [stress].
 
     `Pressure(r)` and `PressureDerivative(r)` map arrays (npoints,) to arrays (npoints,); p_n(r) = 0 for r <= 0.
     """
+
+    def __init__(self) -> None:
+        """No data: those of a law are its own."""
 
     def Pressure(self, r: Array) -> Array:
         raise _Missing(self, "Pressure(r)")
@@ -59,6 +65,7 @@ class ComplianceLaw:
         return CheckLaws(self, depth=depth)
 
 
+@ByKeyword
 class FrictionLaw:
     """Friction bound |sigma_t| <= p_t = Bound(r, p) Coefficient(s), r the penetration, p the pressure, s = |u_t| the slip.
 
@@ -66,6 +73,9 @@ class FrictionLaw:
     `BoundDerivatives(r, p)`, the pair of its derivatives by r and p (finite differences otherwise), and `Coefficient(s)`, the
     pair of a factor >= 0 [1] and its derivative [1/length], which is (1, 0) otherwise.
     """
+
+    def __init__(self) -> None:
+        """No data: those of a law are its own."""
 
     def Bound(self, r: Array, p: Array) -> Array:
         raise _Missing(self, "Bound(r, p)")
@@ -101,6 +111,7 @@ class _Ranged:
             CheckRange(getattr(self, attribute), name + attribute, **limits)
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class NormalCompliance(_Ranged, ComplianceLaw):
     """p_n(r) = stiffness * max(r, 0)^exponent, (4.1).
@@ -131,6 +142,7 @@ class NormalCompliance(_Ranged, ComplianceLaw):
         return self.stiffness * self.exponent * np.where(inside, np.where(inside, r, 1) ** (self.exponent - 1), 0)
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class CoulombFriction(_Ranged, FrictionLaw):
     """p_t = coefficient * p_n, Coulomb's dry friction; `coefficient` >= 0 [1], number or CoefficientFunction.
@@ -153,6 +165,7 @@ class CoulombFriction(_Ranged, FrictionLaw):
         return np.zeros_like(r), self.coefficient * np.ones_like(r)
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class SlipWeakeningFriction(_Ranged, FrictionLaw):
     """p_t = mu(|u_t|) p_n with mu(s) = dynamic + (static - dynamic) exp(-s/distance).
@@ -185,6 +198,7 @@ class SlipWeakeningFriction(_Ranged, FrictionLaw):
         return self.dynamic + fading, -fading / self.distance
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class PowerFriction(_Ranged, FrictionLaw):
     """p_t(r) = stiffness * max(r, 0)^exponent, (4.1); `stiffness` >= 0 [stress/length^exponent], `exponent` > 0.
@@ -214,6 +228,7 @@ class PowerFriction(_Ranged, FrictionLaw):
         return NormalCompliance.PressureDerivative(self, r), np.zeros_like(r)    # type: ignore[arg-type]
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class TrescaFriction(_Ranged, FrictionLaw):
     """p_t = bound on all of Gamma_C, whatever the penetration: the reduced law (4.2); `bound` >= 0 [stress].

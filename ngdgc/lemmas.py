@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from ngsolve import BilinearForm, InnerProduct, Mesh, ds, dx, specialcf
 
+from .calls import ByKeyword
 from .discretization import Discretization
 from .elasticity import Strain
 from .exceptions import ProblemError
@@ -35,6 +36,7 @@ def _TensorJumps(w, s, n):
     return 0.5 * (w * s + (w * n) * (s * n))
 
 
+@ByKeyword
 def NormMatrix(disc: Discretization) -> Any:
     """NGSolve's matrix of |||.||| on V_h, from its definition above."""
     problem, mesh, facets, n = disc.problem, disc.mesh, disc.facets, specialcf.normal(disc.mesh.dim)
@@ -69,6 +71,7 @@ def _Pencil(disc):
         return FreePart(disc.form.Matrix(), free), norm, Inverse(norm)
 
 
+@ByKeyword
 def Coercivity(disc: Discretization) -> float:
     """Largest c with B_h(v, v) >= c |||v|||^2 on V_h (Lemma 3.4), negative if B_h is not coercive; no unit.
 
@@ -94,6 +97,7 @@ def Coercivity(disc: Discretization) -> float:
     return ExtremeEigenvalue(matrix, norm, inverse, "SA")
 
 
+@ByKeyword
 def Boundedness(disc: Discretization) -> float:
     """Smallest C with |B_h(u, v)| <= C |||u||| |||v||| on V_h (Lemma 3.3); no unit.
 
@@ -107,6 +111,7 @@ def Boundedness(disc: Discretization) -> float:
     return float(np.sqrt(ExtremeEigenvalue(lambda v: transposed @ inverse(matrix @ np.ravel(v)), norm, inverse, "LA")))
 
 
+@ByKeyword
 def DualNorm(disc: Discretization, functional: Array) -> float:
     """sup F(v)/|||v||| over V_h of F given by its coefficients (ndof,), that is sqrt(F' N^-1 F) [sqrt(stress length^d)].
 
@@ -120,6 +125,7 @@ def DualNorm(disc: Discretization, functional: Array) -> float:
     return float(np.sqrt(max(values @ inverse(values), 0)))
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class LiftingBounds:
     """Constants of Lemma 3.2 over the facets of E0, each an array (facets of E0,); no unit.
@@ -139,6 +145,7 @@ class LiftingBounds:
         return float(self.upper.max())
 
 
+@ByKeyword
 def LiftingConstants(disc: Discretization, *, order: int | None = None) -> LiftingBounds:
     """c and C in  c |h_e^-1/2 [v]|_{0,e} <= |r_e([v])|_0 <= C |h_e^-1/2 [v]|_{0,e}  for v in V_h and e in E0 (Lemma 3.2).
 
@@ -164,6 +171,7 @@ def LiftingConstants(disc: Discretization, *, order: int | None = None) -> Lifti
     return LiftingBounds(np.concatenate(lower), np.concatenate(upper))
 
 
+@ByKeyword
 def CriticalPenalty(problem: ContactProblem, method: Any, mesh: Mesh, *, order: int = 1, **options: Any) -> float:
     """The penalty number above which B_h is coercive on this mesh; zero or negative if it is for any penalty.
 

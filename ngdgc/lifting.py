@@ -13,6 +13,7 @@ import numpy as np
 import scipy.sparse as sp
 from ngsolve import GridFunction
 
+from .calls import ByKeyword
 from .exceptions import ProblemError
 from .operators import FacetOperators
 from .pattern import Numbers
@@ -121,6 +122,7 @@ class SparseOperators:
         return np.tile(np.repeat(np.arange(len(self.share)), self.blocks.tracesizes), self.blocks.dim)
 
 
+@ByKeyword
 class Lifting:
     """r_0 and r_e of a DG discretisation, as functions in Q_h (3.2)-(3.3).
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import Mesh
 
+from .calls import ByKeyword
 from .discretization import Discretization
 from .errors import StrainError
 from .exact import SmoothSlip
@@ -26,6 +27,7 @@ SOLVER = UzawaSolver()
 LAMBDA = tuple(10.0 ** power for power in range(7))
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Sweep:
     """Relative strain errors of one method of one order for the values `lam` [stress] of Lame's parameter."""
@@ -42,6 +44,7 @@ class Sweep:
         return float(self.errors[-1] / self.errors[0])
 
 
+@ByKeyword
 def Study(method: Method, *, order: int = 1, n: int = 16, lam: Sequence[float] = LAMBDA, cells: str = "triangle",
           mesh: Callable[..., Mesh] = UnitMesh, solver: Solver = SOLVER,
           callback: Callable[[str], object] | None = None) -> Sweep:
@@ -74,11 +77,13 @@ def _Cells(sweeps):
         yield (sweep.label, str(sweep.order), *(f"{error:.3e}" for error in sweep.errors), f"{sweep.factor:.2f}")
 
 
+@ByKeyword
 def Text(sweeps):
     """The table for a terminal."""
     return "\n".join(Aligned(_Cells(sweeps)))
 
 
+@ByKeyword
 def Markdown(sweeps):
     """The table for a page."""
     return "\n".join(Piped(_Cells(sweeps)))

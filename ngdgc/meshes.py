@@ -10,6 +10,7 @@ from netgen.occ import OCCGeometry
 from ngsolve import Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
+from .calls import ByKeyword
 from .exceptions import ProblemError
 
 CELLS = ("triangle", "triangle-flipped", "quad")
@@ -19,6 +20,7 @@ BOXCELLS = ("tet", "hex", "prism")
 CURVATURE, GRADING = 1, 0.5
 
 
+@ByKeyword
 def RectangleMesh(n: int, *, lower: tuple[float, float] = (0, 0), upper: tuple[float, float] = (1, 1),
                   cells: str = "triangle") -> Mesh:
     """Uniform mesh of a rectangle, n x n squares; boundaries "bottom", "right", "top", "left".
@@ -38,6 +40,7 @@ def RectangleMesh(n: int, *, lower: tuple[float, float] = (0, 0), upper: tuple[f
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))
 
 
+@ByKeyword
 def BoxMesh(n: int, *, lower: tuple[float, float, float] = (0, 0, 0), upper: tuple[float, float, float] = (1, 1, 1),
             cells: str = "tet") -> Mesh:
     """Uniform mesh of a box, n x n x n blocks; boundaries "back", "front" (smallest, largest x), "left", "right" (y), "bottom",
@@ -56,6 +59,7 @@ def BoxMesh(n: int, *, lower: tuple[float, float, float] = (0, 0, 0), upper: tup
                                 mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(lower, upper, point)))
 
 
+@ByKeyword
 def UnitMesh(n: int, cells: str) -> Mesh:
     """Uniform mesh of the unit square or cube, by its cells alone: one of CELLS or BOXCELLS.
 
@@ -66,6 +70,7 @@ def UnitMesh(n: int, cells: str) -> Mesh:
     return RectangleMesh(n, cells=cells) if cells in CELLS else BoxMesh(n, cells=cells)
 
 
+@ByKeyword
 def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
     """Mesh of a face (2D) or a solid (3D) of Netgen's OpenCascade geometry, with polynomial boundaries of the given order.
 

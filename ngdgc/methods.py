@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal
 import numpy as np
 from ngsolve import H1, L2, Mesh, VectorH1, VectorL2
 
+from .calls import ByKeyword
 from .coefficients import IsNumber
 from .exceptions import ProblemError
 from .facetform import FacetForm
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
     from .problem import ContactProblem
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True, repr=False)
 class DiscontinuousGalerkin:
     """What the discontinuous methods share; a method is one row of class variables.
@@ -209,6 +211,7 @@ class LDG(DiscontinuousGalerkin):
     name, globallift, stabilisation = "LDG", True, "jump"
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Conforming:
     """H1-conforming finite elements of order k, the reference.

@@ -5,6 +5,7 @@ import os
 import shutil
 import sys
 import time
+from .calls import ByKeyword
 
 EVERY = 10          # iterations from one line of a log file to the next
 FIRST = 20          # iterations that a notebook shows at once; then one every PAUSE
@@ -12,6 +13,7 @@ PAUSE = 0.1         # [s]
 UP = "\x1b[F\x1b[K"  # to the beginning of the line before, which is erased
 
 
+@ByKeyword
 class Progress:
     """A callback that shows how an iteration goes: `solver.Solve(disc, callback=Progress())`.
 
@@ -97,6 +99,7 @@ def _Display(Close):
     return Display
 
 
+@ByKeyword
 def WriteResults(solution, folder, *, scale=1.0):
     """Write report, figures, page, VTK and solution into `folder`; the list of names.
 

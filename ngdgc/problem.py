@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn
 
+from .calls import ByKeyword
 from .coefficients import RegionName, Scalar, Vector
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import ProblemError
@@ -15,6 +16,7 @@ from .foundation import Foundation
 from .protocols import Datum, VectorDatum
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class ContactProblem:
     """Find u with a(u, v-u) + j(u,v) - j(u,u) >= (f, v-u) for all admissible v, (2.14)-(2.15).
@@ -70,6 +72,11 @@ class ContactProblem:
         if len({dim for _, dim in self._Dimensions()}) > 1:
             listing = ", ".join(f"{name}: {dim}" for name, dim in self._Dimensions())
             raise ProblemError(f"the data have different dimensions ({listing}); give all of them the dimension of the mesh")
+
+    def __reduce__(self):
+        # Mapping proxies are not pickled.
+        data = (self.dirichlet, self.roller, self.traction)
+        return type(self), (self.material, self.foundation, *map(dict, data), self.bodyforce)
 
     def _Dimensions(self):
         for name in ("dirichlet", "traction"):

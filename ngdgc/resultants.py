@@ -9,11 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
+from .calls import ByKeyword
 from .conformingtractions import AddedForce
 from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
 from .skeleton import Coefficients
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Resultant:
     """Force on the body (d,) [stress length^(d-1)] and its moment about the origin (1,) in 2D or (3,) [stress length^d].
@@ -30,11 +32,13 @@ class Resultant:
     integrated: tuple | None = None
 
 
+@ByKeyword
 def RigidBasis(space):
     """Coefficients in V_h of the rigid motions, (modes, ndof)."""
     return np.array([Projected(space, motion) for motion in RigidMotions(space.mesh.dim)])
 
 
+@ByKeyword
 def Resultants(solution):
     """The list of `Resultant`s of a solution: supports, tractions, foundations and body force, in the order of the problem."""
     disc, dim = solution.disc, solution.disc.mesh.dim
@@ -78,12 +82,14 @@ def _StrongReactions(solution):
         yield region, modes, Coefficients((stress * n) * v * measure)
 
 
+@ByKeyword
 def GlobalImbalance(solution):
     """Largest component of the sum of all forces and moments, relative to the largest single one or to `ElasticForce`."""
     modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in solution.Resultants()])
     return float(np.abs(modes.sum(axis=0)).max() / max(np.abs(modes).max(), ElasticForce(solution)))
 
 
+@ByKeyword
 def ElasticForce(solution):
     """mu max|u| L^(d-2), L the size of the body: forces far below it are round-off of a body that nothing loads."""
     disc = solution.disc
@@ -93,6 +99,7 @@ def ElasticForce(solution):
     return shear * displacement * np.ptp(points, axis=0).max() ** (disc.mesh.dim - 2) or 1.0
 
 
+@ByKeyword
 def ElementImbalance(solution):
     """Force and moment that the numerical fluxes leave unbalanced on each element, (elements, modes), DG only.
 

@@ -7,6 +7,7 @@ import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
 from . import archive
+from .calls import ByKeyword
 from .elasticity import Strain
 from .exceptions import ProblemError
 from .fluxes import Flux
@@ -74,6 +75,7 @@ class Level:
     converged: bool = True
 
 
+@ByKeyword
 class ContactSolution:
     """Displacement and contact traction of a discrete problem.
 
@@ -98,6 +100,10 @@ class ContactSolution:
     def __repr__(self):
         state = "converged" if self.converged else "not converged"
         return f"ContactSolution({self.disc!r}, {state} after {len(self.history)} iterations)"
+
+    def __reduce_ex__(self, protocol):
+        raise ProblemError("a ContactSolution belongs to a mesh and a factorised matrix, which are not copied or pickled; take "
+                           "Save(folder) and ContactSolution.Load(folder, problem), or its arrays, such as traction")
 
     @cached_property
     def gfu(self):

@@ -10,6 +10,7 @@ import numpy as np
 from ngsolve import CF, Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
+from .calls import ByKeyword
 from .cases import example_4_1
 from .consistency import ConsistencyResidual
 from .discretization import Discretization
@@ -29,6 +30,7 @@ RATIOS = (0, 1, 4, 10, 100)
 ROUNDOFF = 1e-8     # of a critical penalty that is zero, an eigenvalue of matrices with entries of different size
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Constants:
     """The constants of one method on one mesh; no unit.
@@ -44,6 +46,7 @@ class Constants:
     boundedness: float
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Stability:
     """`rows`, the `Constants` of each discontinuous method, and `liftings`, the `LiftingBounds` for l = k."""
@@ -53,6 +56,7 @@ class Stability:
     title: str
 
 
+@ByKeyword
 def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "edge",
           callback: Callable[[str], object] | None = None) -> Stability:
     """The `Stability` of all discontinuous methods for a problem on a mesh; `callback(line)` reports progress.
@@ -85,6 +89,7 @@ def _LiftingWords(bounds):
     return f"Liftings: {bounds.c:.3g} |h^-1/2 [v]|_e <= |r_e([v])| <= {bounds.C:.3g} |h^-1/2 [v]|_e"
 
 
+@ByKeyword
 def Text(study):
     """The table for a terminal."""
     table = Aligned([HEAD, *map(_Cells, study.rows)], numbers=True)
@@ -97,6 +102,7 @@ def _Table(head, rows):
     return [*Piped([head, *rows]), ""]
 
 
+@ByKeyword
 def Markdown(study):
     """The table for the documentation, a list of lines."""
     return _Table(HEAD, map(_Cells, study.rows))
@@ -133,6 +139,7 @@ def _Thresholds():
         yield [str(ratio), *(f"{value:.1f} ({value / (ratio + 2):.2f})" for value in values)]
 
 
+@ByKeyword
 def Shapes():
     """Meshes of different shapes, {name: (mesh, facets of an element)}, held on "right"."""
     return {"triangles": (RectangleMesh(4), 3),
@@ -158,6 +165,7 @@ def _Uniform():
         yield [row.name, *(f"{Coercivity(disc):.3f}, {Boundedness(disc):.1f}" for disc in discs)]
 
 
+@ByKeyword
 def StabilityPage():
     """The documentation page, Markdown."""
     study = Study(example_4_1.Problem("strain"), example_4_1.Mesh(8), order=1)

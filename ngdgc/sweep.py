@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .calls import ByKeyword
 from .exceptions import NotConvergedError, ProblemError
 from .laws import CoulombFriction, PowerFriction, SlipWeakeningFriction, TrescaFriction
 from .protocols import Array
@@ -25,6 +26,7 @@ STEPS, SOLVES = 5, 60       # on the finest of several meshes
 FROMREST = 32       # cells per side up to which iterations from rest are counted
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Record:
     """What became of one problem; lists have one entry for each mesh, the finest last.
@@ -54,6 +56,7 @@ class Record:
         return bool(self.zones) and min(self.zones) > 0
 
 
+@ByKeyword
 def Run(number, sample, *, solver=None, fromzero=None):
     """The `Record` of a Sample, solved by a solver, by default the one that `Discretization.Solve` takes.
 
@@ -81,6 +84,7 @@ def _Steps(solver, disc):
         return 0
 
 
+@ByKeyword
 def Violation(solution: ContactSolution) -> Array:
     """min(|p - p_n(r)|/t_s, |r - p_n^-1(p)|/u_s) and the same for friction, the larger one at every point, (n,), no unit.
 
@@ -132,6 +136,7 @@ def _Bound(law, r, p, slid):
     raise ProblemError(f"friction is {law!r}; its bound is known for the laws of the package alone, take one of them")
 
 
+@ByKeyword
 def Sweep(samples, file, *, callback=None, **options):
     """The list of Records of `samples`, pairs (number, Sample); the rest are arguments of `Run`.
 
@@ -151,12 +156,14 @@ def Sweep(samples, file, *, callback=None, **options):
     return records
 
 
+@ByKeyword
 def Samples(seed, count, *, dofs=150_000):
     """Pairs (number, Sample) of a seed; see `Draw`."""
     for number in range(count):
         yield number, Draw(seed, number, dofs=dofs)
 
 
+@ByKeyword
 def Tally(records):
     """What to say about the records: how many failed and which, zones, worst violation, steps and applications."""
     solved = [record for record in records if not record.error]
@@ -199,6 +206,7 @@ def _Spread(values):
     return f"median {np.median(values):.0f}, 95 % at most {np.percentile(values, 95):.0f}, largest {max(values)}"
 
 
+@ByKeyword
 def Line(record):
     """One line for the terminal."""
     state = "FAILED" if record.error else f"steps {list(record.steps)} applications {list(record.solves)}"

@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from ngsolve import CF, IfPos, x, y, z
 
+from .calls import ByKeyword
 from .coefficients import Scalar, ValuesAt
 from .derivatives import Derivative
 from .elasticity import HookeMaterial
@@ -32,6 +33,7 @@ SAMPLES = 2001      # points of (0,1) at which traces are held against the law
 ROUNDOFF = 1e-9     # of values that a user's formula and a user's law compute in two ways
 
 
+@ByKeyword
 def FromTraces(foundation: Foundation, *, un: Datum, ut: Datum = 0.0, pressure: Datum, shear: Datum = 0.0,
                material: HookeMaterial | None = None, dim: int = 2) -> Exact:
     """The `Exact` problem on (0,1)^dim with these traces on Gamma_C, in 3D constant along y.
@@ -68,6 +70,7 @@ def FromTraces(foundation: Foundation, *, un: Datum, ut: Datum = 0.0, pressure: 
     return Exact(problem, u, lambda points: traces.Zones(foundation, points[:, 0]))
 
 
+@ByKeyword
 def ThreeZones(*, stiffness: float = 250.0, coefficient: float = 0.4, ends: tuple[float, float] = (0.25, 0.75),
                un: float = 0.02, ut: float = 0.02, reserve: float = 10.0, gap: Datum = 0.0,
                material: HookeMaterial | None = None, dim: int = 2) -> Exact:
@@ -92,6 +95,7 @@ def ThreeZones(*, stiffness: float = 250.0, coefficient: float = 0.4, ends: tupl
                       shear=coefficient * pressure - reserve * Positive(a - x, 2), material=material, dim=dim)
 
 
+@ByKeyword
 def RigidLimit(*, stiffness: float, load: float = 5.0, opening: float = 0.02, coefficient: float = 0.4,
                ends: tuple[float, float] = (0.25, 0.75), ut: float = 0.02, reserve: float = 10.0) -> Exact:
     """B8: the unilateral problem with Coulomb friction, approached by p_n = k r, k = `stiffness`, as k grows.
@@ -119,6 +123,7 @@ def RigidLimit(*, stiffness: float, load: float = 5.0, opening: float = 0.02, co
     return Exact(problem, u, soft.zones)
 
 
+@ByKeyword
 def Positive(distance: Any, power: int) -> Any:
     """(distance)_+^power, an integer power of the positive part that NGSolve differentiates piece by piece."""
     return IfPos(distance, distance ** power, 0)

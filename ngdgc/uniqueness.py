@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .calls import ByKeyword
 from .exceptions import ProblemError
 from .hypotheses import CheckLaws
 from .solvers.contraction import LargestEigenvalue
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 MAXITER, TOL = 60, 1e-4     # of Lanczos' iteration for the norm
 
 
+@ByKeyword
 @dataclass(frozen=True, eq=False)
 class UniquenessReport:
     """laws : one `LawReport` for every foundation, with constants at its points;  number : |D^(1/2) S D^(1/2)|, no unit."""
@@ -55,6 +57,7 @@ class UniquenessReport:
         return "\n".join(lines)
 
 
+@ByKeyword
 def CheckUniqueness(disc: Discretization, *, depth: float | None = None, slip: float | None = None) -> UniquenessReport:
     """The `UniquenessReport` of a Discretization, for penetrations up to `depth` and slips up to `slip` [length].
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from .calls import ByKeyword
 from .exceptions import ProblemError
 from .methods import METHODS
 
@@ -11,6 +12,7 @@ FORMS = ("edge", "lifting")
 PAPER = ("ip", "bassi", "brezzi", "ldg", "h1")
 
 
+@ByKeyword
 def Label(method: Any) -> str:
     """Name and form, as tables and legends print them.
 
@@ -21,6 +23,7 @@ def Label(method: Any) -> str:
     return f"{method.name} {method.form}" if method.discontinuous else method.name
 
 
+@ByKeyword
 def Variants(method: str = "all", *, form: str | None = None, penalty: Any = "auto") -> dict[str, Any]:
     """Methods by their names on the command line, {label: method}.
 

@@ -4,7 +4,7 @@ import numpy as np
 from mistakes import SOFT, Disc, Friction, On
 from ngsolve import x
 
-from ngdgc import CheckLaws, ComplianceLaw, Foundation, FrictionLaw, NormalCompliance, TrescaFriction
+from ngdgc import CheckLaws, ComplianceLaw, Foundation, FrictionLaw, NormalCompliance, Solve, TrescaFriction
 from ngdgc.graph import ContactGraph
 
 
@@ -67,6 +67,23 @@ class Empty(ComplianceLaw):
     """A law whose methods were forgotten."""
 
 
+class Ones(Law):
+    """What is given, at all penetrations."""
+
+    def __init__(self, one):
+        self.one = one
+
+    def Pressure(self, r):
+        return np.full(r.shape, self.one) if isinstance(self.one, str) else np.where(r > 0, 1, 0) * self.one
+
+
+class Short(Law):
+    """A law without values above 1e-6."""
+
+    def Pressure(self, r):
+        return np.where(r > 1e-6, np.nan, np.maximum(r, 0))
+
+
 class Unbounded(FrictionLaw):
     """A friction law whose method was forgotten."""
 
@@ -92,17 +109,25 @@ LAWS = [
     (lambda _: Unbounded().Check(SOFT), "Unbounded has no method Bound(r, p) | array (npoints,) | write it"),
     (lambda _: On(compliance=Attracting()),
      "foundation of 'bottom': the pressure is not zero at penetration -1 | 0 for r <= 0 | must"),
-    (lambda _: On(compliance=Scattered()), "the pressure has shape (1, 2) for 1 points | one value per point | give"),
+    (lambda _: On(compliance=Scattered()),
+     "Scattered.Pressure returns shape (1, 2) for arguments of shape (1,) | one value per point | give"),
     (lambda _: On(compliance=Pulling()), "the pressure at penetration 1e-06 is negative | >= 0 | it must be"),
     (lambda _: On(compliance=Steep()), "PressureDerivative | differs from the finite difference of Pressure | mend the one"),
-    (lambda _: On(friction=Negative()), "the friction bound is negative | p_t >= 0, an array (npoints,) | it must be"),
+    (lambda _: On(friction=Negative()), "the friction bound is negative | p_t >= 0 | it must be"),
     (lambda _: On(friction=Misled()), "BoundDerivatives | finite difference of Bound by the penetration | mend one of them"),
-    (lambda _: On(friction=Single()), "Coefficient(slip) returns 1.0 | the pair of the factor and its derivative | give"),
+    (lambda _: On(friction=Single()), "Single.Coefficient returns a float | the pair of the factor and its derivative | give"),
     (lambda _: On(friction=Below()), "Coefficient is negative or not finite at slip 0 | >= 0 | it must be"),
     (lambda _: On(friction=Faded()), "the derivative that Coefficient returns | its finite difference at slip | mend the one"),
     (lambda _: CheckLaws(SOFT, depth=0), "depth is 0 | a positive length | give"),
     (lambda _: CheckLaws(NormalCompliance(1 + x)),
      "data that are CoefficientFunctions | only at points of a mesh | take the laws in"),
-    (lambda _: Overflowing(), "a contact law returned a value that is not finite | for the penetrations that occur | look at"),
+    (lambda _: Overflowing(),
+     "NormalCompliance.Pressure is inf at penetration 1000 | not finite, where the iteration needs it | look at its exponent"),
     (lambda _: OverflowingGraph(),
-     "a contact law returned a value that is not finite | for the penetrations that occur | look at")]
+     "displacement and traction of a contact point | are not finite | look for data of extreme size"),
+    # What laws of users return.
+    (lambda _: On(compliance=Ones(1j)), "Ones.Pressure returns complex values | real ones, an array (npoints,) | give"),
+    (lambda _: On(compliance=Ones("a")), "Ones.Pressure returns an array of shape (1,) and type | of numbers | give an array"),
+    (lambda _: On(compliance=Ones({})), "Ones.Pressure raises TypeError (unsupported | called with arrays | mend the law"),
+    (lambda _: Solve(Disc(foundation=On(compliance=Short()))),
+     "Short.Pressure is not finite beyond penetration 1e-06 | the law ends there | give it values for larger penetrations")]

@@ -10,6 +10,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
+from mistakes_calls import CALLS
 from mistakes_commands import COMMANDS
 from mistakes_data import DATA
 from mistakes_forces import FORCES
@@ -27,8 +28,8 @@ PACKAGE = Path(ngdgc.__file__).parent
 # Their exercises and files have tests of their own.
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
-MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw")
-ROWS = DATA + FORCES + LAWS + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
+MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw", "_Mistake")
+ROWS = CALLS + DATA + FORCES + LAWS + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
 
 
 @cache

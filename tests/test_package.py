@@ -18,7 +18,7 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
 LAYERS = [["exceptions", "formula", "interfaces", "report", "parallel", "peers", "protocols", "tables"],
-          ["arguments", "casefiles", "coefficients", "derivatives", "meshes"],
+          ["calls", "userlaws"], ["arguments", "casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["quadrature"], ["storage"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],

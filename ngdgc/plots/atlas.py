@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
 from .canvas import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from ..calls import ByKeyword
 
 # Colour, marker and line: Uzawa's explicit iterations dotted, implicit ones dashed, Newton's solid.
 STYLES = {"Uzawa": ("black", "x", ":"), "Uzawa, Anderson": (PURPLE, "+", ":"), "implicit": (SKY, "v", "--"),
@@ -15,6 +16,7 @@ LABELS = {"iterations": "iterations", "solves": "applications of $A^{-1}$", "sec
 VARIABLES = {"stiffness": "$k_n/E$ [1/length]", "coefficient": "friction coefficient [no unit]", "n": "h = 1/n [length]"}
 
 
+@ByKeyword
 def AtlasFigure(panels, variable, quantities):
     """Rows of the atlas against an attribute of their points, double logarithmic.
 

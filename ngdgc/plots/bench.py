@@ -4,11 +4,13 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from .canvas import BLUE, GREEN, ORANGE, VERMILION
+from ..calls import ByKeyword
 
 COLOURS = BLUE, VERMILION, GREEN, ORANGE
 MARKERS = "o", "s", "^", "D"
 
 
+@ByKeyword
 def GrowthFigure(panels):
     """Total time and that of the reference, factorisation and one solve, against the number of unknowns.
 

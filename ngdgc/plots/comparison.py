@@ -4,6 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..calls import ByKeyword
 from ..exceptions import ProblemError
 from ..solution import CheckSolution
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
@@ -18,6 +19,7 @@ FEW = 60        # points of a curve from which on markers would hide it
 ROW = 3         # deformed bodies in a row
 
 
+@ByKeyword
 def ComparisonFigure(solutions, *, scale=1):
     """Solutions {label: ContactSolution} of one problem, for example by several methods.
 

@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from ..calls import ByKeyword
 from ..graph import ZONES
 from ..solution import CheckSolution
 from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS
@@ -12,6 +13,7 @@ from .curves import GAP, Along, Left
 from .solid import ContactMaps
 
 
+@ByKeyword
 def ContactFigure(solution, *, slip=False):
     """Pressure, friction and penetration along Gamma_C, and its zones, a column for each foundation.
 

@@ -3,6 +3,7 @@
 import numpy as np
 from matplotlib.collections import PolyCollection
 
+from ..calls import ByKeyword
 from ..coefficients import ValuesAt
 from ..facets import Coordinates
 from ..solution import CheckSolution
@@ -11,6 +12,7 @@ from .curves import Curves, ElementOutlines, Left, SplitByElement
 from .solid import DeformedSurface
 
 
+@ByKeyword
 def DeformedFigure(solution, *, scale=1):
     """The deformed mesh over the foundations, as figures 2 and 4 of the paper.
 

@@ -5,8 +5,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from .canvas import BLUE, GREEN, VERMILION, WIDTH, Panel
+from ..calls import ByKeyword
 
 
+@ByKeyword
 def HistoryFigure(solution):
     """Change and law residual of every iteration [1], logarithmic; zeros, which have no logarithm, are left out.
 

@@ -5,6 +5,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..calls import ByKeyword
 from ..graph import LEAST, ContactGraph, Distance, Scales
 from ..hypotheses import SlipFactor
 from ..solution import CheckSolution
@@ -18,6 +19,7 @@ STEEP = 5           # friction over its bound from which that axis becomes logar
 LAW = "#999999"
 
 
+@ByKeyword
 def LawFigure(solution):
     """Pressure over penetration and friction over slip at every contact point, on the graphs of the laws.
 

@@ -5,6 +5,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from ngsolve import VOL
 from scipy.spatial import cKDTree
 
+from ..calls import ByKeyword
 from ..coefficients import ValuesAt, VectorsAt
 from ..discretization import Discretization
 from ..exceptions import ProblemError
@@ -16,6 +17,7 @@ from .solid import SettingSurface
 ARROW = 0.12        # length of the longest arrow, relative to the body
 
 
+@ByKeyword
 def SettingFigure(disc):
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 

@@ -5,6 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
 from .canvas import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
+from ..calls import ByKeyword
 
 # Colour, marker and its size: curves of different methods lie on each other, so smaller markers sit in larger ones.
 STYLES = {"IP": (BLUE, "s", 9), "Bassi": (GREEN, "^", 7.5), "Brezzi": (ORANGE, "D", 5), "LDG": (VERMILION, "o", 3.5),
@@ -13,6 +14,7 @@ NORMS = (("energy", 0, r"energy error $|u-u_h|_{1,h}$  [(stress length$^d$)$^{1/
          ("l2", 1, r"$L^2$ error $|u-u_h|_0$  [length$^{1+d/2}$]"))
 
 
+@ByKeyword
 def ConvergenceFigure(series):
     """Errors of `convergence.Series` against h = 1/n, double logarithmic, with triangles of the slopes k and k + 1.
 
@@ -36,6 +38,7 @@ def ConvergenceFigure(series):
     return figure
 
 
+@ByKeyword
 def AccuracyFigure(series):
     """Relative strain errors of `accuracy.Series` against seconds, double logarithmic, one picture per order."""
     orders = sorted({one.order for one in series})
@@ -53,6 +56,7 @@ def AccuracyFigure(series):
     return figure
 
 
+@ByKeyword
 def LockingFigure(sweeps):
     """Relative strain errors of `locking.Sweep`s against lam/mu, mu = 2, double logarithmic, one picture per order."""
     orders = sorted({sweep.order for sweep in sweeps})

@@ -3,8 +3,10 @@
 from matplotlib.figure import Figure
 
 from .canvas import BLUE, ORANGE, VERMILION
+from ..calls import ByKeyword
 
 
+@ByKeyword
 def SweepFigure(records):
     """`sweep.Record`s: steps and applications on the finest mesh against k_n/E; failures at the top."""
     figure = Figure(figsize=(9, 4.2), layout="constrained")

@@ -6,6 +6,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from ..calls import ByKeyword
 from ..graph import ZONES
 from ..solution import CheckSolution
 from .canvas import WIDTH, ZONE_COLOURS, Frame, PlaneAxes, Unconverged
@@ -16,6 +17,7 @@ COMB = 0.2      # height of the largest pressure, relative to the body
 EDGE = "#222222"
 
 
+@ByKeyword
 def ZonesFigure(solution):
     """Separation, stick and slip on Gamma_C, with the pressure p_n [stress], on the undeformed body [length].
 

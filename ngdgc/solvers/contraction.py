@@ -7,12 +7,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..calls import ByKeyword
 from ..protocols import Array
 
 if TYPE_CHECKING:
     from ..discretization import Discretization
 
 
+@ByKeyword
 @dataclass(frozen=True)
 class Contraction:
     """Numbers that bound the Uzawa iteration at given penetrations, each computed to a few per cent, no unit.
@@ -29,6 +31,7 @@ class Contraction:
     friction: float
 
 
+@ByKeyword
 def EstimateContraction(disc: Discretization, penetration: Array, *, step: float | Array = 0.0, maxiter: int = 12,
                         tol: float = 1e-3) -> Contraction:
     """Contraction numbers of a Discretization at penetrations (n,) of its contact points.

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..contact import Scale
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from ..graph import Distance, Scales
+from ..graph import CheckEnds, Distance, Scales
 from ..solution import ContactSolution, Step
 
 WINDOW = 10         # iterations over which progress is judged
@@ -70,6 +70,7 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
             positions = positions[-(window or 1):] + [iterate.displacement]
             reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), window, rest)
             if reason == "converged":
+                CheckEnds(disc.contact, iterate.displacement, iterate.traction)
                 return Solution(True, True)
             if reason:
                 break

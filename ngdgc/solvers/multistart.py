@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..calls import ByKeyword
 from ..exceptions import NotConvergedError
 from ..graph import Scales
 from ..protocols import Array
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 DISTINCT = 1e-6     # relative distance of displacements on Gamma_C that tells solutions apart
 
 
+@ByKeyword
 def MultiStart(disc: Discretization, *, count: int = 8, seed: int = 0, tol: float = 1e-10) -> list[ContactSolution]:
     """Different solutions of a discrete problem, a list of ContactSolution, found by Newton's method from `count` starts.
 

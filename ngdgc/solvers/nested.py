@@ -11,6 +11,7 @@ from typing import Any, TYPE_CHECKING
 import numpy as np
 from ngsolve import Mesh
 
+from ..calls import ByKeyword
 from ..coarsening import CoarserMesh
 from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError
@@ -27,6 +28,7 @@ COARSEST = 20                   # contact points that need no prediction
 MANY = 256                      # contact points on a curve that four times fewer predict well
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class NestedNewtonSolver:
     """`SemismoothNewtonSolver` on a sequence of meshes, from coarse to fine: the default that needs no choices.

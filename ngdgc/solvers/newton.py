@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ..calls import ByKeyword
 from ..coefficients import IsNumber
 from ..discretization import Discretization
 from ..exceptions import ProblemError
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from ..solution import ContactSolution, Step
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class SemismoothNewtonSolver:
     """Newton's method for  F(q) = U(q) - u_f + S t(q) = 0  on the graph of the contact law (`graph.ContactGraph`).

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ..calls import ByKeyword
 from ..coefficients import IsNumber
 from ..discretization import Discretization
 from ..exceptions import ProblemError
@@ -25,6 +26,7 @@ REST = 0.5          # of all iterations so far: adaptive steps rest up to 0.3 of
 PREDICTION = 20     # applications of A^-1 at most for the predicted contraction factor
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class UzawaSolver:
     """Uzawa's iteration: one solve with the unchanged matrix per step.  By default it is the paper's,

@@ -24,6 +24,8 @@ THREADED = 3000     # elements from which threads pay
 VOLUME_TYPES = {2: (TRIG, QUAD), 3: (TET, HEX, PRISM, PYRAMID)}
 # Elements by their number of vertices, and how many facets they have.
 TYPES = {1: {2: ET.SEGM}, 2: {3: ET.TRIG, 4: ET.QUAD}, 3: {4: ET.TET, 5: ET.PYRAMID, 6: ET.PRISM, 8: ET.HEX}}
+# Vertices of Netgen's types of elements.
+CORNERS = {10: 3, 11: 4, 12: 3, 13: 4, 14: 4, 20: 4, 21: 4, 22: 5, 23: 6, 24: 6, 25: 8, 26: 8, 27: 6, 28: 5}
 SIDES = {2: {3: 3, 4: 4}, 3: {4: 4, 5: 5, 6: 5, 8: 6}}
 
 
@@ -59,6 +61,17 @@ def Coordinates(dim):
     return CF((x, y, z)[:dim])
 
 
+def Vertices(mesh, dim):
+    """Vertex numbers of the elements of this dimension in NGSolve's local order, (n, most), filled up with -1."""
+    elements = (mesh.ngmesh.Elements1D, mesh.ngmesh.Elements2D, mesh.ngmesh.Elements3D)[dim - 1]().NumPy()
+    most = max(TYPES[dim])
+    nodes = elements["nodes"][:, :most].astype(np.int64) - 1
+    if dim > 1 and elements["nodes"].shape[1] > most:       # further nodes lie on edges and are no vertices
+        kinds, kind = np.unique(elements["type"], return_inverse=True)
+        nodes[np.arange(nodes.shape[1]) >= np.array([CORNERS[int(one)] for one in kinds])[kind][:, None]] = -1
+    return nodes
+
+
 def VolumePoints(mesh, order):
     """Points of a quadrature rule of this order in all elements, as a numpy array of mesh points."""
     return mesh.MapToAllElements({et: IntegrationRule(et, order) for et in VOLUME_TYPES[mesh.dim]}, VOL)
@@ -90,15 +103,7 @@ class Facets:
     @cached_property
     def vertices(self):
         """Vertex numbers of the elements in NGSolve's local order, (ne, most), filled up with -1."""
-        return self._Vertices(self.mesh.dim, VOL)
-
-    def _Vertices(self, dim, kind):
-        mesh, most = self.mesh.ngmesh, max(TYPES[dim])
-        nodes = (mesh.Elements1D, mesh.Elements2D, mesh.Elements3D)[dim - 1]().NumPy()["nodes"].astype(np.int64) - 1
-        if dim > 1 and nodes.shape[1] > most:       # with points on edges, which are no vertices
-            found = [[vertex.nr for vertex in element.vertices] for element in self.mesh.Elements(kind)]
-            nodes = np.array([one + [-1] * (most - len(one)) for one in found])
-        return nodes[:, :most]
+        return Vertices(self.mesh, self.mesh.dim)
 
     @cached_property
     def adjacency(self):
@@ -116,7 +121,9 @@ class Facets:
 
     @cached_property
     def measure(self):
-        return np.asarray(self.incidence.sum(axis=1)).ravel() / np.maximum(self.neighbours, 1)
+        sums = np.asarray(self.incidence.sum(axis=1)).ravel()
+        # A facet of a boundary element that is no side of an element takes part in nothing, and is divided by.
+        return np.where(self.neighbours > 0, sums / np.maximum(self.neighbours, 1), 1.0)
 
     @cached_property
     def diameter(self):
@@ -135,7 +142,10 @@ class Facets:
         A CoefficientFunction for integrals over element boundaries.
         """
         second = (self.interfaces.sign < 0) & (self.neighbours > 1)
-        first = self.Function(self.incidence.indices[self.incidence.indptr[:-1] + second])
+        # Facets of boundary elements that are no side of an element have none.
+        known, first = self.neighbours > 0, np.zeros(self.space.ndof)
+        first[known] = self.incidence.indices[(self.incidence.indptr[:-1] + second)[known]]
+        first = self.Function(first)
         number = GridFunction(L2(self.mesh, order=0))
         number.vec.FV().NumPy()[:] = np.arange(self.mesh.ne)
         return IfPos(0.25 - (first - number) ** 2, 1, -1)
@@ -165,7 +175,7 @@ class Facets:
     def boundary(self):
         """Of the boundary elements: numbers of facet (n,) and region (n,), vertex numbers (n, most) filled up with -1."""
         pairs = [(element.dofs[0], element.index) for element in self.space.Elements(BND)]
-        return *np.array(pairs, dtype=np.int64).reshape(-1, 2).T, self._Vertices(self.mesh.dim - 1, BND)
+        return *np.array(pairs, dtype=np.int64).reshape(-1, 2).T, Vertices(self.mesh, self.mesh.dim - 1)
 
     def On(self, region):
         """True for the facets of a boundary region, over facets."""

@@ -27,7 +27,8 @@ class Interfaces:
         self.sign, self.piece = np.ones(count), np.full(count, -1)
         self.materials = np.full((count, 2), -1)
         facet, region, vertices = facets.boundary
-        ranks = _MaterialRanks(facets.mesh)
+        ranks, known = _MaterialRanks(facets.mesh), facets.neighbours[facet] > 0    # others are sides of no element
+        facet, region, vertices = facet[known], region[known], vertices[known]
         self.materials[facet, 0] = ranks[facets.incidence.indices[facets.incidence.indptr[facet]]]
         inside = np.flatnonzero(facets.neighbours[facet] > 1)
         inside = inside[np.sort(np.unique(facet[inside], return_index=True)[1])]

@@ -22,6 +22,7 @@ from .elasticity import Strain
 from .exceptions import ProblemError
 from .facets import Threads, VolumePoints
 from .lifting import Lifting
+from .meshchecks import CheckSkeleton
 from .protocols import Array
 from .stability import ExtremeEigenvalue, FreePart, Inverse, SmallestEigenvalue, Symmetric
 
@@ -39,6 +40,7 @@ def _TensorJumps(w, s, n):
 @ByKeyword
 def NormMatrix(disc: Discretization) -> Any:
     """NGSolve's matrix of |||.||| on V_h, from its definition above."""
+    CheckSkeleton(disc.facets)
     problem, mesh, facets, n = disc.problem, disc.mesh, disc.facets, specialcf.normal(disc.mesh.dim)
     points = VolumePoints(mesh, 2 * disc.order)
     shear = np.zeros(mesh.ne)

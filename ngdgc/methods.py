@@ -129,7 +129,7 @@ class DiscontinuousGalerkin:
         terms = {"lifted": self.form == "lifting", "globallift": self.globallift, "theta": self.theta, "bound": bound}
         if assembly == "facet":
             return FacetForm(problem, space, operators, rule=rule, eta=eta, **terms)
-        parts = _Parts(problem, facets.mesh, rule)
+        parts = _Parts(problem, facets, rule)
         if self.form == "edge" and not self.globallift and eta is None:
             return SkeletonForm(problem, space, parts, theta=self.theta, bound=bound)
         return LiftedSkeletonForm(problem, space, parts, facets, liftorder=liftorder, eta=eta, **terms)
@@ -228,10 +228,11 @@ class Conforming:
     symmetric: ClassVar[bool] = True
 
     def Space(self, mesh: Mesh, order: int, clamped: str) -> Any:
-        return VectorH1(mesh, order=order, dirichlet=clamped)
+        # Boundary elements that are no sides of elements would bring unknowns that nothing determines.
+        return VectorH1(mesh, order=order, dirichlet=clamped, definedon=mesh.Materials(".*"))
 
     def ScalarSpace(self, mesh: Mesh, order: int) -> Any:
-        return H1(mesh, order=order)
+        return H1(mesh, order=order, definedon=mesh.Materials(".*"))
 
     @Batched
     def Form(self, problem: ContactProblem, facets: Any, space: Any, order: int, assembly: str) -> Any:
@@ -241,7 +242,7 @@ class Conforming:
             return SkeletonForm(problem, space, [])
         operators = FacetOperators(problem.material, facets, order, order, rollers.astype(float), rollers)
         rule = Penalty("auto", None, operators)
-        return SkeletonForm(problem, space, [Roller(problem.material, facets.mesh, rule, region, value)
+        return SkeletonForm(problem, space, [Roller(problem.material, facets, rule, region, value)
                                              for region, value in problem.roller.items()])
 
 
@@ -257,12 +258,12 @@ def _NeededLifting(operators, form):
     return facets, max(LargestEigenvalues(coupling, cells).max() for coupling, cells in zip(couplings, operators.cells))
 
 
-def _Parts(problem, mesh, rule):
+def _Parts(problem, facets, rule):
     """The sets of facets of E0 in symbols, with one penalty for all."""
     material = problem.material
-    return [Interior(material, mesh, rule),
-            *(Clamped(material, mesh, rule, region, value) for region, value in problem.dirichlet.items()),
-            *(Roller(material, mesh, rule, region, value) for region, value in problem.roller.items())]
+    return [Interior(material, facets.mesh, rule),
+            *(Clamped(material, facets, rule, region, value) for region, value in problem.dirichlet.items()),
+            *(Roller(material, facets, rule, region, value) for region, value in problem.roller.items())]
 
 
 METHODS: dict[str, Any] = {

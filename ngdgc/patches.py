@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from ngsolve import EDGE, FACE, FacetFESpace, NodeId
 
 from .cells import Cells
 from .facets import SIDES, THREADED, TYPES
@@ -106,7 +107,18 @@ class Patches:
         self._facet, self._element, self._row = (column[order].astype(np.int32) for column in (facet, element, row))
         self._group, self._slot = (column[order].astype(np.int8) for column in (group, slot))
         self._first = np.searchsorted(self._facet, np.arange(len(self.share), dtype=np.int32))
-        self.tracesizes = np.concatenate(sizes)[order][self._first]
+        self.tracesizes = self._TraceSizes(np.concatenate(sizes)[order])
+
+    def _TraceSizes(self, sizes):
+        """Scalar dofs of F_h on each facet, from those of the sides in the table."""
+        found = np.empty(len(self.share), dtype=np.int64)
+        found[self._facet] = sizes
+        # A boundary element that is no side of an element has a facet in NGSolve's numbering.
+        lost = np.flatnonzero(self.facets.neighbours == 0)
+        if len(lost):
+            space, kind = FacetFESpace(self.mesh, order=self.order), EDGE if self.dim == 2 else FACE
+            found[lost] = [len(space.GetDofNrs(NodeId(kind, int(facet)))) for facet in lost]
+        return found
 
     def _Side(self, numbers):
         """The sides with these numbers in the table, all of one group and size."""
@@ -116,7 +128,7 @@ class Patches:
 
     def FacetPatches(self, wanted=None, *, weak=True):
         """FacetPatches of the facets of E0, or of those where `wanted` is True; also of others with weak=False."""
-        chosen = self.share > 0 if weak else np.ones(len(self.share), dtype=bool)
+        chosen = (self.share if weak else self.facets.neighbours) > 0
         chosen = np.flatnonzero(chosen if wanted is None else wanted & chosen)
         first, two = self._first[chosen], self.facets.neighbours[chosen] > 1
         second = np.minimum(first + 1, len(self._group) - 1)

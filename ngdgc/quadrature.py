@@ -6,6 +6,7 @@ import numpy as np
 from ngsolve import ET, QUAD, SEGM, TRIG, IntegrationRule, specialcf
 
 from .facets import REFERENCE_VERTICES, TYPES, Coordinates
+from .meshchecks import CheckBoundary
 
 BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 
@@ -38,7 +39,10 @@ class BoundaryQuadrature:
         """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules.
 
         side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
+
+        Raises ProblemError for boundary elements that are no sides of elements, or are in the region twice.
         """
+        CheckBoundary(facets, region)
         mesh, dim = facets.mesh, facets.mesh.dim
         rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))

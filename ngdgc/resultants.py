@@ -93,7 +93,8 @@ def GlobalImbalance(solution):
 def ElasticForce(solution):
     """mu max|u| L^(d-2), L the size of the body: forces far below it are round-off of a body that nothing loads."""
     disc = solution.disc
-    points = disc.mesh.ngmesh.Coordinates()[:, :disc.mesh.dim]
+    vertices = disc.facets.vertices
+    points = disc.mesh.ngmesh.Coordinates()[vertices[vertices >= 0], :disc.mesh.dim]
     displacement = np.abs(np.asarray(solution.gfu(VolumePoints(disc.mesh, 2)))).max()
     shear = disc.problem.material.ShearAt(VolumePoints(disc.mesh, 2)).max()
     return shear * displacement * np.ptp(points, axis=0).max() ** (disc.mesh.dim - 2) or 1.0

@@ -13,6 +13,7 @@ from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, LinearForm, 
 from .coefficients import Unfolded
 from .elasticity import Strain
 from .facets import Curved, Threads
+from .meshchecks import CheckSkeleton
 
 
 def _OtherStrain(u):
@@ -50,9 +51,10 @@ class Interior:
 class Clamped:
     """Boundary facets with all components prescribed."""
 
-    def __init__(self, material, mesh, penalty, region, value):
-        self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
-        self.region, self.measure = region, ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=material.bonus)
+    def __init__(self, material, facets, penalty, region, value):
+        CheckSkeleton(facets)
+        self.material, self.penalty, self.n, self.region = material, penalty, specialcf.normal(facets.mesh.dim), region
+        self.measure = ds(skeleton=True, definedon=facets.mesh.Boundaries(region), bonus_intorder=material.bonus)
         self.value = self._Prescribed(value)
 
     def _Prescribed(self, value):

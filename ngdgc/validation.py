@@ -6,6 +6,7 @@ from ngsolve import CF, L2, GridFunction, Mesh
 from .coefficients import ValuesAt, VectorsAt
 from .exceptions import ProblemError
 from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
+from .meshchecks import CheckElements, CheckSides
 from .quadrature import BoundaryQuadrature
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
@@ -22,32 +23,35 @@ def CheckMesh(problem, mesh):
     if problem.dim not in (None, mesh.dim):
         raise ProblemError(f"the mesh has dimension {mesh.dim}, the data of the problem have {problem.dim} "
                            "components; give both the same dimension")
+    CheckElements(mesh)
 
 
 def CheckProblem(problem, mesh, facets):
     """Raise ProblemError unless the problem makes sense on the mesh."""
+    CheckSides(facets)
     CheckRegions(problem, mesh, facets)
     CheckData(problem, mesh, facets)
 
 
 def CheckRegions(problem, mesh, facets):
     """Every region exists, lies on the outer boundary and overlaps no other."""
-    owner = {}
-    for entry, (kind, region) in enumerate(problem.Regions()):
-        numbers = [number for number, found in enumerate(mesh.Boundaries(region).Mask()) if found]
-        if not numbers:
-            available = ", ".join(sorted(set(mesh.GetBoundaries())))
+    names, found = np.array(mesh.GetBoundaries()), []
+    for kind, region in problem.Regions():
+        on = facets.On(region)
+        if not on.any():
+            available = ", ".join(sorted(set(names[facets.boundary[1]])))
             empty = "; Gamma_C would be empty" if kind == "foundation" else ""
             raise ProblemError(f"{kind} region {region!r} matches no boundary of the mesh{empty}; "
                                f"choose among {available}")
-        for number in numbers:
-            first, firstkind, firstregion = owner.setdefault(number, (entry, kind, region))
+        for firstkind, firstregion, first in found:
             # A roller prescribes the normal component only, so a tangential traction may act there.
-            if first != entry and {firstkind, kind} != {"roller", "traction"}:
-                raise ProblemError(f"boundary {mesh.GetBoundaries()[number]!r} is claimed twice, by {firstkind} "
-                                   f"{firstregion!r} and by {kind} {region!r}; the parts of the boundary must not overlap: "
-                                   "give it to one of them")
-        if np.any(facets.neighbours[facets.On(region)] > 1):
+            if np.any(on & first) and {firstkind, kind} != {"roller", "traction"}:
+                number, regions, _ = facets.boundary
+                shared = " and ".join(repr(str(name)) for name in np.unique(names[regions[(on & first)[number]]]))
+                raise ProblemError(f"boundary {shared} is claimed twice, by {firstkind} {firstregion!r} and by {kind} "
+                                   f"{region!r}; the parts of the boundary must not overlap: give it to one of them")
+        found.append((kind, region, on))
+        if np.any(facets.neighbours[on] > 1):
             raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
                                "conditions are for the outer boundary only: rename the interface or the region")
 
@@ -161,14 +165,14 @@ def _CentredMotions(facets, coordinates, elements):
 
 
 def _Centres(facets):
-    points = facets.mesh.ngmesh.Coordinates()[:, :facets.mesh.dim]
-    size = np.ptp(points, axis=0).max()
-    number = facets.component.max() + 1
-    if number == 1:
-        return points.mean(axis=0)[None], size
-    members = [{vertex.nr for element in facets.mesh.Elements() if facets.component[element.nr] == part
-                for vertex in element.vertices} for part in range(number)]
-    return np.array([points[sorted(vertices)].mean(axis=0) for vertices in members]), size
+    """(centres (parts, d) of the connected parts, size of the body), from the vertices of elements: there may be others."""
+    points, parts = facets.mesh.ngmesh.Coordinates()[:, :facets.mesh.dim], facets.component
+    members = []
+    for part in range(parts.max() + 1):
+        inside = np.zeros(len(points) + 1, dtype=bool)      # the last one for the -1 that fill up
+        inside[facets.vertices[parts == part]] = True
+        members.append(points[inside[:-1]])
+    return np.array([member.mean(axis=0) for member in members]), np.ptp(np.concatenate(members), axis=0).max()
 
 
 def _Words(null, facets, part):

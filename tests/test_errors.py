@@ -16,6 +16,7 @@ from mistakes_data import DATA
 from mistakes_forces import FORCES
 from mistakes_iterations import FAILURES
 from mistakes_laws import LAWS
+from mistakes_meshes import MESHES
 from mistakes_problems import PROBLEMS
 from mistakes_results import RESULTS
 from mistakes_saved import SAVED
@@ -29,7 +30,7 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw", "_Mistake")
-ROWS = CALLS + DATA + FORCES + LAWS + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
+ROWS = CALLS + DATA + FORCES + LAWS + MESHES + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
 
 
 @cache

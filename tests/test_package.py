@@ -20,7 +20,7 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
 LAYERS = [["exceptions", "formula", "interfaces", "report", "parallel", "peers", "protocols", "tables"],
           ["calls", "userlaws"], ["arguments", "casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
-          ["problem", "facets"], ["quadrature"], ["storage"],
+          ["problem", "facets"], ["meshchecks"], ["quadrature"], ["storage"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["cycles"], ["methods", "solenoidal"],

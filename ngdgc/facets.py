@@ -178,11 +178,11 @@ class Facets:
         return *np.array(pairs, dtype=np.int64).reshape(-1, 2).T, Vertices(self.mesh, self.mesh.dim - 1)
 
     def On(self, region):
-        """True for the facets of a boundary region, over facets."""
+        """True for the facets of a boundary region that are sides of elements, over facets."""
         facets, regions, _ = self.boundary
         on = np.zeros(self.space.ndof, dtype=bool)
         on[facets[np.array(list(self.mesh.Boundaries(region).Mask()))[regions]]] = True
-        return on
+        return on & (self.neighbours > 0)
 
     def Touching(self, facets):
         """True for the elements at any of the given facets (a mask), over elements."""

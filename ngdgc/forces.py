@@ -35,7 +35,11 @@ def Mean(solution, region):
 def Facets(disc, region):
     """Numbers of the facets of a boundary region; ProblemError if there are none."""
     _Mask(disc.mesh.Boundaries, region, "boundary", disc.mesh.GetBoundaries())
-    return np.flatnonzero(disc.facets.On(region))
+    found = np.flatnonzero(disc.facets.On(region))
+    if not len(found):
+        raise ProblemError(f"boundary {region!r} contains no side of an element; give one that is part of the body's boundary or "
+                           "of an interface")
+    return found
 
 
 def _Mask(select, pattern, kind, names):

@@ -156,19 +156,27 @@ def _Turn(vertices):
     return np.where(vertices[rows, (first + 1) % count] < vertices[rows, first - 1], 1, -1)
 
 
+def Sides(facets, region):
+    """True for the boundary elements of a region that are sides of elements, of several on one side for the first only."""
+    numbers, regions, vertices = facets.boundary
+    rows = np.flatnonzero(np.array(list(facets.mesh.Boundaries(region).Mask()))[regions])
+    rows = rows[_AreSides(facets, numbers[rows], vertices[rows])]
+    found = np.zeros(len(numbers), dtype=bool)
+    found[rows[np.unique(numbers[rows], return_index=True)[1]]] = True
+    return found
+
+
 def CheckBoundary(facets, region):
     """Raise ProblemError unless the boundary elements of a region are sides of elements, each once."""
     mesh, (numbers, regions, vertices) = facets.mesh, facets.boundary
-    rows = np.flatnonzero(np.array(list(mesh.Boundaries(region).Mask()))[regions])
-    names, numbers = mesh.GetBoundaries(), numbers[rows]
-    for row in rows[~_AreSides(facets, numbers, vertices[rows])][:1]:
-        raise ProblemError(f"boundary {names[regions[row]]!r} has an element {_Between(mesh, vertices[row])}, which is no side "
-                           "of an element of the body; remove it from the mesh, or give it another name")
-    order = np.argsort(numbers, kind="stable")
-    for twice in np.flatnonzero(np.diff(numbers[order]) == 0)[:1]:
-        first, second = rows[order[twice:twice + 2]]
-        both = " and ".join(dict.fromkeys(repr(names[regions[row]]) for row in (first, second)))
-        raise ProblemError(f"the element {_Between(mesh, vertices[first])} is twice in the mesh, in boundary {both}, and would "
+    names, wanted = mesh.GetBoundaries(), np.array(list(mesh.Boundaries(region).Mask()))[regions]
+    for row in np.flatnonzero(wanted & ~Sides(facets, region))[:1]:
+        twins = np.flatnonzero(wanted & (numbers == numbers[row]))
+        if not _AreSides(facets, numbers[[row]], vertices[[row]])[0]:
+            raise ProblemError(f"boundary {names[regions[row]]!r} has an element {_Between(mesh, vertices[row])}, which is no "
+                               "side of an element of the body; remove it from the mesh, or give it another name")
+        both = " and ".join(dict.fromkeys(repr(names[regions[twin]]) for twin in twins))
+        raise ProblemError(f"the element {_Between(mesh, vertices[row])} is twice in the mesh, in boundary {both}, and would "
                            f"count twice in {region!r}; keep it once, by one physical group of Gmsh for each part of the "
                            "boundary, or name only one of the groups")
 

@@ -6,7 +6,7 @@ import numpy as np
 from ngsolve import ET, QUAD, SEGM, TRIG, IntegrationRule, specialcf
 
 from .facets import REFERENCE_VERTICES, TYPES, Coordinates
-from .meshchecks import CheckBoundary
+from .meshchecks import Sides
 
 BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 
@@ -40,12 +40,12 @@ class BoundaryQuadrature:
 
         side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
 
-        Raises ProblemError for boundary elements that are no sides of elements, or are in the region twice.
+        Every side of an element counts once, however often the mesh has it; boundary elements that are none do not count.
         """
-        CheckBoundary(facets, region)
         mesh, dim = facets.mesh, facets.mesh.dim
         rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
+        points = points[Sides(facets, region)[points["nr"]]]
         jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)
         measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))
         weights, inside, normals = measure.copy(), points.copy(), np.empty((len(points), dim))

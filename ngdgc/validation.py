@@ -6,7 +6,7 @@ from ngsolve import CF, L2, GridFunction, Mesh
 from .coefficients import ValuesAt, VectorsAt
 from .exceptions import ProblemError
 from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
-from .meshchecks import CheckElements, CheckSides
+from .meshchecks import CheckBoundary, CheckElements, CheckSides
 from .quadrature import BoundaryQuadrature
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
@@ -51,6 +51,7 @@ def CheckRegions(problem, mesh, facets):
                 raise ProblemError(f"boundary {shared} is claimed twice, by {firstkind} {firstregion!r} and by {kind} "
                                    f"{region!r}; the parts of the boundary must not overlap: give it to one of them")
         found.append((kind, region, on))
+        CheckBoundary(facets, region)
         if np.any(facets.neighbours[on] > 1):
             raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
                                "conditions are for the outer boundary only: rename the interface or the region")

@@ -3,6 +3,7 @@
 from badmeshes import Body, Doubled, Lost, Periodic
 from mistakes import Disc
 
+from ngdgc import Solve
 from ngdgc.facets import Facets
 from ngdgc.meshchecks import CheckSkeleton
 
@@ -14,6 +15,8 @@ MESHES = [
      "boundary 'bottom' has an element between (1.5, 0) and (2, 0) | which is no side of an element of the body | remove it"),
     (lambda _: CheckSkeleton(Facets(Lost("triangle", "axis"))),
      "boundary 'axis' has an element between (1.5, 0) and (2, 0) | need a mesh without it | or take assembly='facet'"),
+    (lambda _: Solve(Disc(mesh=Lost("triangle", "axis"))).Mean("axis"),
+     "boundary 'axis' | contains no side of an element | give one that is part"),
     (lambda _: Disc(mesh=Body(2, SQUARE, (0, 1, 3, 2))),
      "element 0 of the mesh, with corners (0, 0), (1, 0), (0, 1), (1, 1), has a map that folds, with a determinant from -1 to 1"
      " | must be images of the reference element | put its corners in order"),

@@ -73,9 +73,11 @@ def test_boundary_elements_of_no_element_are_no_part_of_the_body(cells, hanging)
         for order in (1, 2):
             solution = Solve(Block(mesh, method, order=order))
             assert abs(solution.normalforce - 5) < 1e-9 and solution.GlobalImbalance() < 1e-9
+            assert np.abs(solution.Force("top")[-1] + 5) < 1e-9 > np.abs(solution.Mean("top")[-1] + 0.03)
     for region in ("bottom", "bottom|axis"):
         message = Refused(Lost(cells, None if region == "bottom" else "axis", hanging), region=region)
         assert f"boundary {'bottom' if region == 'bottom' else 'axis'!r} has an element" in message
+    assert "matches no boundary" in Refused(mesh, region="axis")
     # The control: NGSolve counts its measure as the region's.
     assert Integrate(CF(1), Lost(cells), definedon=Lost(cells).Boundaries("bottom")) > 1.4
 

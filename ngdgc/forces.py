@@ -37,8 +37,8 @@ def Facets(disc, region):
     _Mask(disc.mesh.Boundaries, region, "boundary", disc.mesh.GetBoundaries())
     found = np.flatnonzero(disc.facets.On(region))
     if not len(found):
-        raise ProblemError(f"boundary {region!r} contains no side of an element; give one that is part of the body's boundary or "
-                           "of an interface")
+        raise ProblemError(f"boundary {region!r} contains no side of an element; give one that is part of the body's boundary "
+                           "or of an interface")
     return found
 
 

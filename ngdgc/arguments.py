@@ -2,9 +2,6 @@
 
 import argparse
 import math
-from pathlib import Path
-
-from .exceptions import ProblemError
 
 
 def Positive(text):
@@ -31,13 +28,3 @@ def Finite(text):
 
 def NumberOrAuto(text):
     return text if text == "auto" else Finite(text)
-
-
-def Folder(name):
-    """The folder of this name, made if need be; ProblemError if that fails."""
-    folder = Path(name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ProblemError(f"cannot write into {name}: {error.strerror}; choose another folder") from error
-    return folder

@@ -1,7 +1,6 @@
 """Tables and figures of the atlas of solvers, for a terminal, a page of the documentation and a spreadsheet."""
 
 import csv
-from pathlib import Path
 from textwrap import fill
 
 from . import atlas
@@ -16,19 +15,18 @@ FIGURES = {"stiffness": ("stiffness", ("iterations", "solves")), "coefficient": 
 
 
 class Table:
-    """A file of comma-separated values to which rows are added as they come, so that an interruption loses none."""
+    """Rows as comma-separated values in an open text file, each as soon as it comes, so that an interruption loses none."""
 
-    def __init__(self, path):
-        self.path, self.empty = path, True
+    def __init__(self, file):
+        self.file, self.writer = file, None
 
     def Add(self, row):
         flat = row.Flat()
-        with open(self.path, "w" if self.empty else "a", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, flat, lineterminator="\n")
-            if self.empty:
-                writer.writeheader()
-                self.empty = False
-            writer.writerow({name: f"{value:.4g}" if isinstance(value, float) else value for name, value in flat.items()})
+        if self.writer is None:
+            self.writer = csv.DictWriter(self.file, flat, lineterminator="\n")
+            self.writer.writeheader()
+        self.writer.writerow({name: f"{value:.4g}" if isinstance(value, float) else value for name, value in flat.items()})
+        self.file.flush()
 
 
 def Sections(rows, sweeps):
@@ -163,15 +161,3 @@ def Page(rows, sweeps):
             for name, head, cells in own:
                 lines += [f"### {sweeps[name].what}", "", *Piped([head, *cells]), ""]
     return "\n".join(lines)
-
-
-def WritePage(file, rows, sweeps):
-    """The page, its figures in images/ beside it, and all rows in atlas.csv."""
-    folder = Path(file).parent
-    (folder / "images").mkdir(parents=True, exist_ok=True)
-    Path(file).write_text(Page(rows, sweeps), encoding="utf-8")
-    for name, figure in Figures(rows, sweeps).items():
-        figure.savefig(folder / "images" / f"{name}.png", dpi=110)
-    table = Table(folder / "atlas.csv")
-    for row in rows:
-        table.Add(row)

@@ -7,6 +7,7 @@ Cholesky factorisation of the matrix and one solve with it, right after what is 
 import json
 import multiprocessing
 import resource
+import signal
 import subprocess
 import sys
 from dataclasses import dataclass, replace
@@ -95,7 +96,8 @@ def Alone(function, repeat, *arguments):
     """function(*arguments, repeat) in a process of its own; ProblemError for repeat < 1."""
     if repeat < 1:
         raise ProblemError(f"repeat is {repeat}; give the number of runs, at least one")
-    with multiprocessing.get_context("spawn").Pool(1) as pool:
+    # Ctrl-C reaches all processes; this one stops the other.
+    with multiprocessing.get_context("spawn").Pool(1, signal.signal, (signal.SIGINT, signal.SIG_IGN)) as pool:
         return pool.apply(function, (*arguments, repeat))
 
 

@@ -3,8 +3,10 @@
 import os
 import sys
 
-from .arguments import Folder, Positive
+from .arguments import Positive
 from .exceptions import ProblemError
+from .files import Files
+from .studies import Page as StudyPage
 from .studies import Show, Write, WritePage
 
 
@@ -26,9 +28,11 @@ def AddBench(commands):
         "assembly", help="assembly of a method on Example 4.1", description="Seconds for spaces and "
         "checks, for assembly (all operators, penalty, matrix) and for NGSolve's factorisation of "
         "the matrix, in one run: medians, and the peak memory of the assembly.")
-    assembly.add_argument("--method", nargs="+", default=["ip"], help="ip, bassi, brezzi, ldg, nipg, iipg, h1 (default ip)")
-    assembly.add_argument("--form", default="edge", help="edge or lifting (default edge)")
-    assembly.add_argument("--assembly", default="facet", help="facet or skeleton, NGSolve's symbols (default facet)")
+    assembly.add_argument("--method", type=str.lower, nargs="+", default=["ip"], help="ip, bassi, brezzi, ldg, nipg, iipg, h1 "
+                          "(default ip)")
+    assembly.add_argument("--form", type=str.lower, default="edge", help="edge or lifting (default edge)")
+    assembly.add_argument("--assembly", type=str.lower, default="facet", help="facet or skeleton, NGSolve's symbols (default "
+                          "facet)")
     assembly.add_argument("--order", type=Positive, default=1, help="polynomial degree (default 1)")
     assembly.add_argument("--n", type=Positive, default=256, help="cells per side (default 256: 786 432 unknowns at order 1)")
     assembly.add_argument("--repeat", type=Positive, default=3, help="runs, of which the medians are shown (default 3)")
@@ -43,23 +47,25 @@ def Bench(options):
     benches = {name: points for name, points in bench.Benches(quick=options.quick).items() if options.only in name}
     if not benches:
         raise ProblemError(f"no bench has {options.only!r} in its name; choose among {', '.join(bench.Benches())}")
-    folder, costs, lines = Folder(options.out), {}, []
-    try:
-        for name, points in benches.items():
-            for point in points:
-                Show(f"{name}: {point.method}, k = {point.order}, n = {point.n}")
-                large = point.problem == "box" and point.n > 16 or point.n > 256
-                costs.setdefault(name, []).append(bench.Measure(point, repeat=1 if large else options.repeat))
-        for name, (point, n) in bench.Rivals(quick=options.quick).items():
-            Show(name)
-            result = bench.Peer(name.lower(), n, python=options.python)
-            ours = None if isinstance(result, str) else bench.Measure(point, repeat=options.repeat)
-            lines.append(Compared(name, result, ours))
-    finally:
-        if costs:
-            Write(folder, "performance", Text(costs, lines), Figures(costs))
-    if options.page:
-        WritePage(options.page, Page(costs, lines, os.cpu_count()), Figures(costs))
+    costs, lines = {}, []
+    with Files(options.out, "performance.txt") as files, StudyPage(options.page) as page:
+        try:
+            for name, points in benches.items():
+                for point in points:
+                    Show(f"{name}: {point.method}, k = {point.order}, n = {point.n}")
+                    large = point.problem == "box" and point.n > 16 or point.n > 256
+                    costs.setdefault(name, []).append(bench.Measure(point, repeat=1 if large else options.repeat))
+            for name, (point, n) in bench.Rivals(quick=options.quick).items():
+                Show(name)
+                result = bench.Peer(name.lower(), n, python=options.python)
+                ours = None if isinstance(result, str) else bench.Measure(point, repeat=options.repeat)
+                lines.append(Compared(name, result, ours))
+        finally:
+            costs = {name: group for name, group in costs.items() if group}
+            if costs:
+                Write(files, "performance", Text(costs, lines), lambda: Figures(costs))
+        if page:
+            WritePage(page, Page(costs, lines, os.cpu_count()), lambda: Figures(costs))
     return 0
 
 
@@ -71,8 +77,12 @@ def BenchAssembly(options):
     methods = [method for name in options.method
                for method in Variants(name, form=None if name == "h1" else options.form).values()]
     rows = []
-    for method in methods:
-        Show(f"{method!r}, order {options.order}, n = {options.n}")
-        rows.append(MeasureAssembly(method, order=options.order, n=options.n, repeat=options.repeat, assembly=options.assembly))
-    print(Text(rows))
+    try:
+        for method in methods:
+            Show(f"{method!r}, order {options.order}, n = {options.n}")
+            rows.append(MeasureAssembly(method, order=options.order, n=options.n, repeat=options.repeat,
+                                        assembly=options.assembly))
+    finally:
+        if rows:
+            print(Text(rows))
     return 0

@@ -8,6 +8,7 @@ from pathlib import Path
 from types import ModuleType
 
 from .exceptions import ProblemError
+from .names import Meant
 from .tables import Aligned
 
 
@@ -19,10 +20,10 @@ def CaseFiles() -> dict[str, Path]:
 
 def LoadCase(name: str) -> ModuleType:
     """The module of a case, from a file or by the name of an installed one; ProblemError if there is none."""
-    path = Path(name) if Path(name).is_file() else CaseFiles().get(name)
+    path = Path(name) if Path(name).is_file() else CaseFiles().get(name.lower())
     if path is None:
         raise ProblemError(f"no case {name!r}: neither a file nor one of {', '.join(CaseFiles())}; give one of them "
-                           "or a file")
+                           f"or a file{Meant(Path(name).stem, CaseFiles())}")
     spec = importlib.util.spec_from_file_location(f"ngdgc_case_{path.stem}", path)
     if spec is None or spec.loader is None:
         raise ProblemError(f"{name} is not a Python file; give one whose name ends in .py")

@@ -6,12 +6,16 @@ import sys
 from pathlib import Path
 
 from . import __version__
-from .arguments import Finite, Folder, NumberOrAuto, Positive
+from .arguments import Finite, NumberOrAuto, Positive
 from .benchcommands import AddBench
 from .casefiles import CaseFiles, Compared, LoadCase
 from .comparecommand import AddCompare
+from .console import Console
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from .studies import AddStudies
+from .files import Files
+from .names import Known, Meant
+from .signals import SIGNALS
+from .studies import AddStudies, Show
 
 EPILOG = """examples:
   ngdgc cases                                                  list the cases
@@ -24,33 +28,64 @@ EPILOG = """examples:
   ngdgc atlas --quick                                          what all solvers take, on a few small problems
   ngdgc bench --quick                                          what a solution costs, on a few small problems
 
-exit codes: 0 solved, 1 not converged (what was computed is written), 2 wrong input, 130 interrupted"""
+exit codes: 0 solved, 1 not converged, 2 wrong input, or something could not be written; stopped by Ctrl-C 130, by SIGTERM 143:
+what was computed is written in any case, and a line says into which files"""
+
+# What other software says instead of MemoryError: C++, NGSolve, the loader of libraries, Python of threads.
+SCARCE = "bad_alloc", "Could not allocate", "failed to map segment", "start new thread"
 
 
 def Main(arguments=None):
     """Entry point; returns the exit code."""
+    with SIGNALS, Console() as console:
+        try:
+            return console.Code(_Code(arguments))
+        except SystemExit as stop:      # of the parser: a mistake, or help
+            stop.code = console.Code(stop.code)
+            raise
+
+
+def _Code(arguments):
+    """The exit code of a command; whatever ends it is one line."""
     try:
         options = _Parser().parse_args(arguments)
         return options.command(options)
     except ProblemError as error:
-        print(f"ngdgc: {error}", file=sys.stderr)
-        return 2
+        code, message = 2, str(error)
     except NotConvergedError as error:
-        print(f"ngdgc: {error}", file=sys.stderr)
-        return 1
+        code, message = 1, str(error)
     except KeyboardInterrupt:
-        print("ngdgc: interrupted", file=sys.stderr)
-        return 130
-    except BrokenPipeError:
-        sys.stderr.close()      # the reader of our output has gone, for example `| head`
-        return 0
+        code, message = SIGNALS.code, SIGNALS.words
+    except Exception as error:
+        if SIGNALS.received is not None:
+            # It came in the middle of other software, which made of it what it liked.
+            code, message = SIGNALS.code, SIGNALS.words
+        elif isinstance(error, MemoryError) or any(words in str(error) for words in SCARCE):
+            code, message = 2, "there is not enough memory; take a coarser mesh or a lower order"
+        else:
+            raise
+    print(f"ngdgc: {message}", file=sys.stderr)
+    return code
 
 
 class _OneLine(argparse.ArgumentParser):
-    """An argument parser whose errors are one line, without the usage."""
+    """An argument parser whose errors are one line, without the usage, that points to its own help."""
 
     def error(self, message):
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
+
+    def parse_known_args(self, args=None, namespace=None):
+        # The parser of a command would hand what it does not know to the one above, whose help says nothing of it.
+        namespace, unknown = super().parse_known_args(args, namespace)
+        if unknown:
+            options = [option for action in self._actions for option in action.option_strings]
+            self.error(f"unrecognized arguments: {' '.join(unknown)}{Meant(unknown[0].partition('=')[0], options)}")
+        return namespace, unknown
+
+    def _check_value(self, action, value):
+        if action.choices is not None and value not in action.choices:
+            raise argparse.ArgumentError(action, f"invalid choice: {value!r}; choose one of {', '.join(action.choices)}"
+                                         f"{Meant(value, action.choices)}")
 
 
 def _Parser():
@@ -73,7 +108,7 @@ def _AddStability(commands):
                                     description="For all discontinuous methods: the critical penalty, what the element bound "
                                     "asks for, coercivity and boundedness with the automatic penalty, by sparse eigenvalues.")
     stability.add_argument("case", help="a file or the name of a case with Problem() and Mesh(n)")
-    stability.add_argument("--form", default="edge", help="edge or lifting (default edge)")
+    stability.add_argument("--form", type=str.lower, default="edge", help="edge or lifting (default edge)")
     stability.add_argument("--order", type=Positive, default=1, help="polynomial degree (default 1)")
     stability.add_argument("--n", type=Positive, default=16, help="cells per side (default 16)")
     stability.set_defaults(command=Stability)
@@ -85,13 +120,14 @@ def _AddRun(commands):
     run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
     run.add_argument("--method", default="ip", help="ip (interior penalty), bassi, brezzi, ldg, nipg, iipg "
                      "(unsymmetric interior penalty) or h1 (conforming); default ip")
-    run.add_argument("--form", default="edge", help="edge or lifting form of a discontinuous method (default edge)")
+    run.add_argument("--form", type=str.lower, default="edge", help="edge or lifting form of a discontinuous method (default "
+                     "edge)")
     run.add_argument("--penalty", default="auto", type=NumberOrAuto, help="auto, or a number: for ip and ldg as in the "
                      "paper's eta = penalty mu order^2, for bassi and brezzi the factor of the lifting term")
     run.add_argument("--order", type=Positive, help="polynomial degree of the displacement (default: the case's own)")
     run.add_argument("--n", type=Positive, help="cells per side (default: the case's own)")
-    run.add_argument("--plane", help="stress or strain (default: the case's own)")
-    run.add_argument("--cells", help="triangle, triangle-flipped or quad (default: the case's own)")
+    run.add_argument("--plane", type=str.lower, help="stress or strain (default: the case's own)")
+    run.add_argument("--cells", type=str.lower, help="triangle, triangle-flipped or quad (default: the case's own)")
     run.add_argument("--solver", default="auto", help="auto (Newton on nested meshes), newton (this mesh alone) or uzawa (the "
                      "paper's iteration); default auto")
     run.add_argument("--rho", type=NumberOrAuto, help="step of Uzawa's friction update: auto (default) or a number")
@@ -109,53 +145,69 @@ def ListCases(options):
 
 
 def Run(options):
-    """Solve the case and write everything about it."""
-    from .output import Progress, WriteResults
-    from .solution import ContactSolution
+    """Solve the case and write everything about it, also the last iterate of a solve that was stopped or failed."""
+    from .output import DrawResults, Progress, SaveResults
 
     case = LoadCase(options.case)
     arguments = _CaseArguments(case, options)
-    folder = Folder(options.out)
-    progress = Progress(sys.stdout)
-    name = Path(options.case).stem
-    print(f"{name}: {arguments['method']}")
-    code, message = 0, None
-    try:
-        inspect.signature(case.Main).bind(callback=progress, **arguments)
-    except TypeError as error:
-        raise ProblemError(f"Main of {options.case} cannot be called: {error}; it needs the keywords method, order, "
-                           "n, solver and callback") from error
-    try:
-        solution = case.Main(callback=progress, **arguments)
-    except (NotConvergedError, SolveInterrupted) as stop:
-        solution, message = stop.solution, str(stop)
-        code = 1 if isinstance(stop, NotConvergedError) else 130
-    progress.Close()
-    if not isinstance(solution, ContactSolution):
-        raise ProblemError(f"Main of {options.case} returned {type(solution).__name__}, not a "
-                           "ContactSolution; let it return what the solver returns")
-    try:
-        written = WriteResults(solution, folder, scale=options.scale)
-    except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
-    print((folder / "report.txt").read_text(encoding="utf-8"))
-    if solution.converged and hasattr(case, "Compare"):
-        print(Compared(case.Compare(solution)))
-    print(f"written to {folder}/: {', '.join(written)}")
+    with Files(options.out, "solution/", "report.json", "report.txt") as files:
+        progress = Progress(sys.stdout)
+        print(f"{Path(options.case).stem}: {arguments['method']}", flush=True)
+        solution, code, message = _Solved(case, options.case, {"callback": progress, **arguments})
+        progress.Close()
+        if solution is not None:
+            solution.case = Path(options.case).stem
+            with SIGNALS.Held():
+                try:
+                    SaveResults(solution, files)
+                finally:        # whatever could not be written
+                    print(solution.Report(), flush=True)
+            if solution.converged and hasattr(case, "Compare"):
+                print(Compared(case.Compare(solution)), flush=True)
+            DrawResults(solution, files, scale=options.scale)
     if message:
         print(f"ngdgc: {message}", file=sys.stderr)
     return code
 
 
+def _Solved(case, name, arguments):
+    """(solution, exit code, message) of a case; the solution is None if it was stopped before there was one."""
+    from .solution import ContactSolution
+
+    try:
+        inspect.signature(case.Main).bind(**arguments)
+    except TypeError as error:
+        raise ProblemError(f"Main of {name} cannot be called: {error}; it needs the keywords method, order, n, solver and "
+                           "callback") from error
+    try:
+        solution = case.Main(**arguments)
+    except NotConvergedError as stop:
+        return stop.solution, 1, str(stop)
+    except SolveInterrupted as stop:
+        return stop.solution, SIGNALS.code, f"{SIGNALS.words} after {len(stop.solution.history)} iterations"
+    except KeyboardInterrupt:
+        return None, SIGNALS.code, f"{SIGNALS.words} before the first iterate; there is nothing to write"
+    if not isinstance(solution, ContactSolution):
+        raise ProblemError(f"Main of {name} returned {type(solution).__name__}, not a ContactSolution; let it return what the "
+                           "solver returns")
+    return solution, 0, None
+
+
 def Stability(options):
-    """Print what the lemmas say about a case."""
-    from .stabilitystudy import Study, Text
+    """Print what the lemmas say about a case, as far as it was computed also after Ctrl-C."""
+    from .stabilitystudy import Study, Table, Text
 
     case = LoadCase(options.case)
     if not (callable(getattr(case, "Problem", None)) and callable(getattr(case, "Mesh", None))):
         raise ProblemError(f"{options.case} has no functions Problem() and Mesh(n); write them, or give another case")
-    print(Text(Study(case.Problem(), case.Mesh(options.n), order=options.order, form=options.form,
-                     callback=lambda line: print(line, file=sys.stderr, flush=True))))
+    rows = []
+    try:
+        study = Study(case.Problem(), case.Mesh(options.n), order=options.order, form=options.form, rows=rows, callback=Show)
+    except BaseException:
+        if rows:
+            print("\n".join(Table(rows)))
+        raise
+    print(Text(study))
     return 0
 
 
@@ -163,12 +215,11 @@ def _CaseArguments(case, options):
     """Keyword arguments for the case's Main; an option that the case does not know is an error."""
     from .methods import METHODS
 
-    if options.method not in METHODS:
-        raise ProblemError(f"no method {options.method!r}; choose one of {', '.join(METHODS)}")
-    row = METHODS[options.method]
+    chosen = Known(options.method, METHODS, what="method")
+    row = METHODS[chosen]
     for name, default in (("penalty", "auto"), ("form", "edge")):
         if getattr(options, name) != default and not row.discontinuous:
-            raise ProblemError(f"--{name} does not apply to method {options.method!r}; leave it out")
+            raise ProblemError(f"--{name} does not apply to method {chosen!r}; leave it out")
     method = row(penalty=options.penalty, form=options.form) if row.discontinuous else row()
     arguments = {"method": method, "solver": _Solver(options)}
     known = inspect.signature(case.Main).parameters
@@ -187,13 +238,12 @@ def _Solver(options):
 
     known = {"auto": (NestedNewtonSolver, ()), "newton": (SemismoothNewtonSolver, ("maxiter",)),
              "uzawa": (UzawaSolver, ("maxiter", "rho"))}
-    if options.solver not in known:
-        raise ProblemError(f"no solver {options.solver!r}; choose one of {', '.join(known)}")
-    solver, names = known[options.solver]
+    chosen = Known(options.solver, known, what="solver")
+    solver, names = known[chosen]
     given = {name: getattr(options, name) for name in ("maxiter", "rho") if getattr(options, name) is not None}
     for name in given:
         if name not in names:
-            raise ProblemError(f"--{name} does not apply to solver {options.solver!r}; leave it out")
+            raise ProblemError(f"--{name} does not apply to solver {chosen!r}; leave it out")
     return solver(tol=options.tol, **given)
 
 

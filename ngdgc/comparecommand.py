@@ -2,9 +2,11 @@
 
 import numpy as np
 
-from .arguments import Folder, Positive
+from .arguments import Positive
 from .casefiles import LoadCase
-from .exceptions import NotConvergedError, ProblemError
+from .exceptions import NotConvergedError, SolveInterrupted
+from .files import Files
+from .names import Known
 from .studies import Show, Write
 from .tables import Aligned
 
@@ -28,26 +30,29 @@ def AddCompare(commands):
 def Compare(options):
     """Solve, print and draw; the exit code is 1 if a method did not converge, whose last iterate is shown.
 
-    What was computed is written also after Ctrl-C.
+    What was computed is written also after Ctrl-C, the last iterate of the method at which it came included.
     """
     from .methods import METHODS
     from .plots import ComparisonFigure
 
-    for name in options.method:
-        if name not in METHODS:
-            raise ProblemError(f"no method {name!r}; choose some of {', '.join(METHODS)}")
-    case, folder, solutions = LoadCase(options.case), Folder(options.out), {}
+    names = [Known(name, METHODS, what="method", choose="choose some of") for name in options.method]
+    case, solutions = LoadCase(options.case), {}
     given = {name: getattr(options, name) for name in ("order", "n") if getattr(options, name) is not None}
-    try:
-        for name in options.method:
-            Show(name)
-            try:
-                solutions[name] = case.Main(method=METHODS[name](), **given)
-            except NotConvergedError as stop:
-                solutions[name] = stop.solution
-    finally:
-        if solutions:
-            Write(folder, "comparison", Table(solutions), {"comparison": ComparisonFigure(solutions)})
+    with Files(options.out, "comparison.txt") as files:
+        try:
+            for name in names:
+                Show(name)
+                try:
+                    solutions[name] = case.Main(method=METHODS[name](), **given)
+                except NotConvergedError as stop:
+                    solutions[name] = stop.solution
+                except SolveInterrupted as stop:
+                    if stop.solution.history:
+                        solutions[name] = stop.solution
+                    raise
+        finally:
+            if solutions:
+                Write(files, "comparison", Table(solutions), lambda: {"comparison": ComparisonFigure(solutions)})
     return 0 if all(solution.converged for solution in solutions.values()) else 1
 
 

@@ -17,6 +17,7 @@ from .equations import LinearEquations
 from .exceptions import ProblemError
 from .facets import Csr, Facets, Native, Projected, Threads
 from .inverses import Inverse, Kind
+from .memory import CheckAssembly
 from .problem import ContactProblem
 from .protocols import Array, Method
 from .quadrature import ContactRules
@@ -65,6 +66,7 @@ class Discretization(LinearEquations):
         if assembly not in ("facet", "skeleton"):
             raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
         CheckMesh(problem, mesh)
+        CheckAssembly(mesh.ne, mesh.dim, int(order), discontinuous=method.discontinuous)
         self.method: Any = method
         self.problem, self.mesh, self.order, self.assembly = problem, mesh, int(order), assembly
         self.facets = Facets(mesh)

@@ -11,10 +11,10 @@ from ngsolve import CF, x
 from .calls import ByKeyword
 from .cases import example_4_1, example_4_2
 from .elasticity import HookeMaterial
-from .exceptions import ProblemError
 from .foundation import Foundation
 from .laws import CoulombFriction, NormalCompliance
 from .methods import InteriorPenalty
+from .names import Known
 from .problem import ContactProblem
 from .randomproblems import BodyMesh, Sample
 
@@ -37,11 +37,9 @@ def Grid(geometries=None, *, everything=False):
     48
     """
     known = (*CASES, *CELLS)
-    for geometry in geometries or ():
-        if geometry not in known:
-            raise ProblemError(f"no geometry {geometry!r}; choose one of {', '.join(known)}")
+    geometries = [Known(geometry, known, what="geometry") for geometry in geometries or known]
     coefficients, stiffnesses, sizes = EVERYTHING if everything else PART
-    points = product(geometries or known, sizes, stiffnesses, coefficients)
+    points = product(geometries, sizes, stiffnesses, coefficients)
     return [(number, _Sample(geometry, *size, stiffness, coefficient))
             for number, (geometry, size, stiffness, coefficient) in enumerate(points)]
 

@@ -9,11 +9,11 @@ iterative : preconditioned conjugate gradients (`iterative` module), in 3D for d
 
 from functools import cache
 
-import psutil
 from ngsolve.la import SparseMatrixd
 
 from .exceptions import ProblemError
 from .iterative import DirectMemory, IterativeInverse
+from .memory import CheckMemory
 from .solenoidal import NeedsSolenoidal, Swelling
 
 SYMMETRIC = "sparsecholesky", "pardisospd", "iterative"
@@ -23,7 +23,6 @@ LIKEFACTORS = 1e-11         # relative residual of solutions that take the place
 LARGE, HUGE = 1.5e8, 7.5e8
 SWOLLEN = 15        # largest ratio of volumetric to shear stiffness for which they are without: nu = 0.45 in 3D
 LU = 2.5            # memory of an unsymmetric factorisation in units of that of a symmetric one
-GIGABYTE = 1e9
 
 
 def Kind(disc, wanted):
@@ -72,17 +71,10 @@ def Inverse(disc, matrix, kind):
     """
     if kind == "iterative":
         return IterativeInverse(disc, matrix, tol=LIKEFACTORS)
-    CheckMemory(FactorMemory(disc) * (LU if kind == "umfpack" else 1), disc.space.ndof,
-                "inverse='iterative'" if disc.symmetric and disc.method.discontinuous else
-                "a discontinuous method with inverse='iterative'")
+    CheckMemory(FactorMemory(disc) * (LU if kind == "umfpack" else 1), f"the factors of {disc.space.ndof} unknowns",
+                "inverse='iterative', " if disc.symmetric and disc.method.discontinuous else
+                "a discontinuous method with inverse='iterative', ")
     return Factorised(matrix, disc.space.FreeDofs(), kind, disc.mesh.dim)
-
-
-def CheckMemory(needed, unknowns, remedy):
-    """Raise ProblemError if factors need more bytes than are free."""
-    if needed > (free := psutil.virtual_memory().available):
-        raise ProblemError(f"the factors of {unknowns} unknowns would take about {needed / GIGABYTE:.1f} GB, and "
-                           f"{free / GIGABYTE:.1f} GB are free; take {remedy}, a coarser mesh or a lower order")
 
 
 def Factorised(matrix, freedofs, kind, dim):

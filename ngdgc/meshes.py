@@ -12,6 +12,8 @@ from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from .calls import ByKeyword
 from .exceptions import ProblemError
+from .memory import CheckCells
+from .names import Meant
 
 CELLS = ("triangle", "triangle-flipped", "quad")
 BOXCELLS = ("tet", "hex", "prism")
@@ -35,6 +37,7 @@ def RectangleMesh(n: int, *, lower: tuple[float, float] = (0, 0), upper: tuple[f
     """
     _Check(n, cells, CELLS)
     _CheckCorners(lower, upper, 2)
+    CheckCells(n * n * (1 if cells == "quad" else 2))
     (x0, y0), (x1, y1) = lower, upper
     return MakeStructured2DMesh(quads=cells == "quad", nx=int(n), ny=int(n), flip_triangles=cells == "triangle-flipped",
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))
@@ -55,6 +58,7 @@ def BoxMesh(n: int, *, lower: tuple[float, float, float] = (0, 0, 0), upper: tup
     """
     _Check(n, cells, BOXCELLS)
     _CheckCorners(lower, upper, 3)
+    CheckCells(n ** 3 * {"tet": 6, "prism": 2, "hex": 1}[cells])
     return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=int(n), ny=int(n), nz=int(n),
                                 mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(lower, upper, point)))
 
@@ -91,16 +95,24 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
         raise ProblemError(f"maxh is {maxh!r}; give the largest size of an element, a positive number")
     if isinstance(order, bool) or not isinstance(order, Integral) or order < 1:
         raise ProblemError(f"order is {order!r}; give the order of the geometry, a positive integer")
+    CheckCells(_Elements(shape, maxh))
     mesh = Mesh(OCCGeometry(shape, dim=3 if len(shape.solids) else 2).GenerateMesh(
         maxh=maxh, curvaturesafety=CURVATURE, grading=GRADING))
     return mesh.Curve(int(order)) if order > 1 else mesh
+
+
+def _Elements(shape, maxh):
+    """About how many elements fill a shape, at least those along its faces and edges, which may ask for smaller ones."""
+    # Of equal sides: six tetrahedra in a cube of their size, two triangles in a square.
+    return max(count * sum(part.mass / min(part.maxh, maxh) ** dim for part in parts)
+               for count, dim, parts in ((6, 3, shape.solids), (2, 2, shape.faces), (1, 1, shape.edges)))
 
 
 def _Check(n, cells, known):
     if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:
         raise ProblemError(f"n is {n!r}; the number of cells per side must be a positive integer")
     if cells not in known:
-        raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(known)}")
+        raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(known)}{Meant(str(cells), known)}")
 
 
 def _CheckCorners(lower, upper, dim):

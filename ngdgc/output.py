@@ -5,9 +5,13 @@ import os
 import shutil
 import sys
 import time
+from functools import partial
+
 from .calls import ByKeyword
+from .files import Files
 
 EVERY = 10          # iterations from one line of a log file to the next
+SLOW = 4.0          # [s] after which the next iteration is a line, whatever its number
 FIRST = 20          # iterations that a notebook shows at once; then one every PAUSE
 PAUSE = 0.1         # [s]
 UP = "\x1b[F\x1b[K"  # to the beginning of the line before, which is erased
@@ -18,9 +22,9 @@ class Progress:
     """A callback that shows how an iteration goes: `solver.Solve(disc, callback=Progress())`.
 
     In a terminal one line is rewritten, cut to its width; in a notebook one line of output is updated, at most ten times a
-    second and at the end of the cell; in a file or a pipe the first and every tenth iteration are a line each, written at
-    once.  What is printed next begins on a new line, so nothing has to be closed; `Close()` shows the last iteration where it
-    was left out.  One object may follow several solves.
+    second and at the end of the cell; in a file or a pipe the first, every tenth and slow iterations are a line each, written
+    at once.  What is printed next begins on a new line, so nothing has to be closed; `Close()` shows the last iteration where
+    it was left out.  One object may follow several solves.
 
     stream : where to write; None: the notebook or the standard output.  One that is closed, also a pipe whose reader has gone,
         silences the progress and does not disturb the iteration
@@ -49,9 +53,10 @@ class Progress:
             self._Show()
 
     def _Due(self, number):
+        since = time.perf_counter() - self.time
         if self.display is None:
-            return number % EVERY == 0
-        return number <= FIRST or time.perf_counter() - self.time >= PAUSE
+            return number % EVERY == 0 or since >= SLOW
+        return number <= FIRST or since >= PAUSE
 
     def _Show(self):
         step, follows = self.step, self.shown is not None and self.step.number > self.shown.number
@@ -99,28 +104,36 @@ def _Display(Close):
     return Display
 
 
-@ByKeyword
-def WriteResults(solution, folder, *, scale=1.0):
-    """Write report, figures, page, VTK and solution into `folder`; the list of names.
+def SaveResults(solution, files):
+    """Write what must not be lost to `files.Files`: the solution, the numbers and the report."""
+    files.Write("solution/", solution.Save, precious=True)
+    files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
+    files.Text("report.txt", solution.Report())
 
-    `scale` multiplies the displacement in the pictures; with another scale than 1 the deformed body is drawn at that scale
-    too.
+
+def DrawResults(solution, files, *, scale=1.0):
+    """Write page, VTK and figures; `scale` multiplies the displacement in the pictures.
+
+    With another scale than 1 the deformed body is drawn at that scale too.
     """
     from .export import WriteHTML, WriteVTK
     from .plots import ContactFigure, DeformedFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
 
-    (folder / "report.txt").write_text(solution.Report(), encoding="utf-8")
-    (folder / "report.json").write_text(json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n", encoding="utf-8")
-    solution.Save(folder / "solution")
-    WriteHTML(solution, folder / "solution.html", scale=scale)
-    WriteVTK(solution, folder / "solution.vtu")
-    written = ["report.txt", "report.json", "solution/", "solution.html", "solution.vtu"]
-    figures = {"setting": SettingFigure(solution.disc), "deformed": DeformedFigure(solution),
-               "contact": ContactFigure(solution), "law": LawFigure(solution), "zones": ZonesFigure(solution),
-               "history": HistoryFigure(solution)}
+    files.Write("solution.html", partial(WriteHTML, solution, scale=scale))
+    files.Write("solution.vtu", partial(WriteVTK, solution))
+    figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution),
+               "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
+               "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}
     if scale != 1:
-        figures["deformed-scaled"] = DeformedFigure(solution, scale=scale)
-    for name, figure in figures.items():
-        figure.savefig(folder / f"{name}.png", dpi=150)
-        written.append(f"{name}.png")
-    return written
+        figures["deformed-scaled"] = lambda: DeformedFigure(solution, scale=scale)
+    for name, Figure in figures.items():
+        files.Write(f"{name}.png", lambda path, Figure=Figure: Figure().savefig(path, dpi=150))
+
+
+@ByKeyword
+def WriteResults(solution, folder, *, scale=1.0):
+    """Write into a folder all that `ngdgc run` leaves; the list of names."""
+    files = Files(folder)
+    SaveResults(solution, files)
+    DrawResults(solution, files, scale=scale)
+    return files.written

@@ -4,11 +4,14 @@ from dataclasses import asdict
 
 import numpy as np
 
+from .formula import Formula
+
 LINE = 78
 # What `ContactSolution.ToJSON` holds; ranges are {"smallest": , "largest": } over the contact points.
 SCHEMA = {
-    "ngdgc": "version", "ngsolve": "version",
+    "ngdgc": "version", "ngsolve": "version", "case": "name of the case that was run, or null",
     "method": "name", "options": "the method as it is written in Python", "material": "as written", "foundations": "as written",
+    "dirichlet": "of each region, as written", "roller": "the same", "traction": "the same", "bodyforce": "as written, or null",
     "order": "polynomial degree", "dimension": "2 or 3", "elements": "number", "dofs": "number of unknowns",
     "contact_points": "number",
     "solver": "as written", "inverse": "what solved the linear equations", "converged": "true or false",
@@ -48,7 +51,9 @@ def Summary(solution):
     slip = np.linalg.norm(solution.slip, axis=1)
     summary = {
         "ngdgc": version("ngdgc"), "ngsolve": version("ngsolve"),
+        "case": solution.case,
         "material": repr(disc.problem.material), "foundations": [repr(foundation) for foundation in disc.problem.foundation],
+        **_Data(disc.problem),
         "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
         "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
         "solver": solution.solver, "inverse": disc.inversekind, "converged": solution.converged,
@@ -70,6 +75,13 @@ def Summary(solution):
     if disc.method.discontinuous:
         summary["element_imbalance"] = float(np.abs(solution.ElementImbalance()).max())
     return summary
+
+
+def _Data(problem):
+    """Supports and loads as they are written, those too of which there are none."""
+    data = {name: {region: Formula(value) for region, value in getattr(problem, name).items()}
+            for name in ("dirichlet", "roller", "traction")}
+    return {**data, "bodyforce": problem.bodyforce and Formula(problem.bodyforce)}
 
 
 def _Range(values):

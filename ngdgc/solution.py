@@ -86,6 +86,7 @@ class ContactSolution:
     traction : (n, d) traction t = p_n n + p_t lambda that the body exerts on the foundations at the n contact points [stress];
         the traction on the body is -t
     history : list of Step;  converged : bool;  solver : its text
+    case : name of the case that `ngdgc run` solved, None elsewhere
     levels : list of Level, one for each mesh of a nested iteration, the last one the solution's own; empty for other solvers
 
     Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
@@ -95,7 +96,7 @@ class ContactSolution:
     def __init__(self, disc, vector, traction, *, history=(), converged=True, solver="", Predict=None):
         self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
         self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
-        self.levels = []
+        self.levels, self.case = [], None
 
     def __repr__(self):
         state = "converged" if self.converged else "not converged"

@@ -1,10 +1,14 @@
 """The commands that compare methods and try solvers: Table 3, convergence, locking, atlas, sweep, grid."""
 
 import sys
+from contextlib import nullcontext
+from functools import partial
+from itertools import product
 from pathlib import Path
 
-from .arguments import Finite, Folder, NumberOrAuto, Positive
-from .exceptions import ProblemError
+from .arguments import Finite, NumberOrAuto, Positive
+from .files import Files
+from .signals import SIGNALS
 
 
 def AddStudies(commands):
@@ -21,7 +25,7 @@ def AddStudies(commands):
                                       " a table, and a figure for each kind of cells.")
     _AddMethod(convergence, forms=True)
     convergence.add_argument("--order", type=Positive, nargs="+", default=[1, 2], help="polynomial degrees (default 1 2)")
-    convergence.add_argument("--cells", nargs="+", default=["triangle"],
+    convergence.add_argument("--cells", type=str.lower, nargs="+", default=["triangle"],
                              help="triangle, triangle-flipped, quad; tet, hex, prism (default triangle)")
     convergence.add_argument("--n", type=Positive, nargs="+", default=[4, 8, 16], help="cells per side (default 4 8 16)")
     convergence.add_argument("--out", default="results", help="folder for table and figures (default results/)")
@@ -33,7 +37,8 @@ def AddStudies(commands):
     _AddMethod(accuracy)
     accuracy.add_argument("--order", type=Positive, nargs="+", default=[1, 2, 3, 4],
                           help="polynomial degrees (default 1 2 3 4)")
-    accuracy.add_argument("--cells", nargs="+", default=["triangle", "tet"], help="as for convergence (default triangle tet)")
+    accuracy.add_argument("--cells", type=str.lower, nargs="+", default=["triangle", "tet"],
+                          help="as for convergence (default triangle tet)")
     accuracy.add_argument("--budget", type=Finite, default=5.0, help="seconds after which no finer mesh is tried (default 5)")
     accuracy.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout docs/accuracy.md)")
     accuracy.add_argument("--out", default="results", help="folder for table and figures (default results/)")
@@ -74,7 +79,7 @@ def _AddSweep(commands):
     grid = commands.add_parser("grid", help="solve problems on a grid of parameters and count failures", description="Geometry "
                                "x coefficient of friction x k_n/E x h x order with interior penalty, the default solver and "
                                "Newton's method from rest; files and Ctrl-C as for sweep.")
-    grid.add_argument("--geometry", nargs="+", help="4.1, 4.2, block, unstructured, cad (default: all)")
+    grid.add_argument("--geometry", type=str.lower, nargs="+", help="4.1, 4.2, block, unstructured, cad (default: all)")
     grid.add_argument("--all", action="store_true", help="the whole grid, up to h = 1/256 and order 4, for a night; by default "
                       "a part of it, for some minutes")
     grid.add_argument("--out", default="results", help="folder for results, tally and figure (default results/)")
@@ -82,10 +87,10 @@ def _AddSweep(commands):
 
 
 def _AddMethod(parser, forms=False):
-    parser.add_argument("--method", default="all", help="ip, bassi, brezzi, ldg, nipg, iipg, h1, or all: the paper's "
-                        "four and h1 (default)")
+    parser.add_argument("--method", type=str.lower, default="all", help="ip, bassi, brezzi, ldg, nipg, iipg, h1, or all: "
+                        "the paper's four and h1 (default)")
     if forms:
-        parser.add_argument("--form", help="edge or lifting (default: both)")
+        parser.add_argument("--form", type=str.lower, help="edge or lifting (default: both)")
         parser.add_argument("--penalty", default="auto", type=NumberOrAuto, help="of every discontinuous method, as for run")
 
 
@@ -94,33 +99,28 @@ def Show(line):
     print(line, file=sys.stderr, flush=True)
 
 
-def Write(folder, name, text, figures):
-    """Print and write a table, and figures {stem: figure}."""
+def Write(files, name, text, Figures):
+    """Print and write a table, and then the figures {stem: figure} that a function draws, which takes its time."""
     print(text)
-    try:
-        (folder / f"{name}.txt").write_text(text + "\n", encoding="utf-8")
-        for stem, figure in figures.items():
-            figure.savefig(folder / f"{stem}.png", dpi=150)
-    except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
-    print(f"\nwritten to {folder}/: {', '.join([f'{name}.txt', *(f'{stem}.png' for stem in figures)])}")
+    files.Text(f"{name}.txt", text + "\n")
+    for stem, figure in Figures().items():
+        files.Write(f"{stem}.png", partial(figure.savefig, dpi=150))
 
 
-def WritePage(file, text, figures):
-    """Write a page of the documentation, and figures {stem: figure} in images/ beside it."""
-    try:
-        images = Path(file).parent / "images"
-        images.mkdir(parents=True, exist_ok=True)
-        Path(file).write_text(text, encoding="utf-8")
-        for stem, figure in figures.items():
-            figure.savefig(images / f"{stem}.png", dpi=110)
-    except OSError as error:
-        raise ProblemError(f"cannot write {file}: {error.strerror}; choose another --page") from error
-    print(f"written to {file}")
+def Page(file):
+    """The Files of a page of the documentation, for `WritePage`; without a file, nothing to write."""
+    return Files(Path(file).parent, Path(file).name, option="--page") if file else nullcontext()
+
+
+def WritePage(files, text, Figures):
+    """Write a page, and the figures {stem: figure} that a function draws in images/ beside it."""
+    files.Text(files.names[0], text)
+    for stem, figure in Figures().items():
+        files.Write(f"images/{stem}.png", partial(figure.savefig, dpi=110))
 
 
 def Convergence(options):
-    """Errors of methods x orders x cells on the smooth solution."""
+    """Errors of methods x orders x cells on the smooth solution; what was computed is written also if a solve fails."""
     from .convergence import Study, Text
     from .exact import SmoothSlip
     from .meshes import BOXCELLS, UnitMesh
@@ -130,18 +130,26 @@ def Convergence(options):
     methods = Variants(options.method, form=options.form, penalty=options.penalty)
     for cells in options.cells:
         UnitMesh(1, cells)      # unknown cells are an error before the first solve
-    folder = Folder(options.out)
-    series = {cells: [Study(SmoothSlip(dim=3 if cells in BOXCELLS else 2), method, order=order, n=options.n, cells=cells,
-                            callback=Show)
-                      for method in methods.values() for order in options.order] for cells in options.cells}
-    Write(folder, "convergence", Text([one for group in series.values() for one in group]),
-           {f"convergence_{cells}": ConvergenceFigure(group) for cells, group in series.items()})
+
+    def Figures():
+        return {f"convergence_{cells}": ConvergenceFigure(group) for cells, group in series.items()}
+
+    series = {}
+    with Files(options.out, "convergence.txt") as files:
+        try:
+            for cells, method, order in product(options.cells, methods.values(), options.order):
+                study = Study(SmoothSlip(dim=3 if cells in BOXCELLS else 2), method, order=order, n=options.n, cells=cells,
+                              callback=Show)
+                series.setdefault(cells, []).append(study)
+        finally:
+            if series:
+                Write(files, "convergence", Text([one for group in series.values() for one in group]), Figures)
     return 0
 
 
 def Accuracy(options):
     """Error against time of methods x orders x cells."""
-    from .accuracy import Page, Study, Text
+    from . import accuracy
     from .exact import SmoothSlip
     from .meshes import BOXCELLS, UnitMesh
     from .plots import AccuracyFigure
@@ -150,77 +158,90 @@ def Accuracy(options):
     methods = Variants(options.method, form=None if options.method == "h1" else "edge")
     for cells in options.cells:
         UnitMesh(1, cells)
-    folder, series = Folder(options.out), []
-    try:
-        for cells in options.cells:
-            exact = SmoothSlip(dim=3 if cells in BOXCELLS else 2)
-            for method in methods.values():
-                series += [Study(exact, method, order=order, cells=cells, budget=options.budget, callback=Show)
-                           for order in options.order]
-    finally:
-        figures = {f"accuracy_{cells}": AccuracyFigure([one for one in series if one.cells == cells])
-                   for cells in dict.fromkeys(one.cells for one in series)}
-        if series:
-            Write(folder, "accuracy", Text(series), figures)
-    if options.page:
-        WritePage(options.page, Page(series, budget=options.budget), figures)
+
+    def Figures():
+        return {f"accuracy_{cells}": AccuracyFigure([one for one in series if one.cells == cells])
+                for cells in dict.fromkeys(one.cells for one in series)}
+
+    series = []
+    with Files(options.out, "accuracy.txt") as files, Page(options.page) as page:
+        try:
+            for cells, method, order in product(options.cells, methods.values(), options.order):
+                series.append(accuracy.Study(SmoothSlip(dim=3 if cells in BOXCELLS else 2), method, order=order, cells=cells,
+                                             budget=options.budget, callback=Show))
+        finally:
+            if series:
+                Write(files, "accuracy", accuracy.Text(series), Figures)
+        if page:
+            WritePage(page, accuracy.Page(series, budget=options.budget), Figures)
     return 0
 
 
 def Locking(options):
-    """Errors of methods x orders for growing lam."""
+    """Errors of methods x orders for growing lam; what was computed is written also if a solve fails."""
     from .locking import Study, Text
     from .plots import LockingFigure
     from .variants import Variants
 
     methods = Variants(options.method, form=options.form, penalty=options.penalty)
-    folder = Folder(options.out)
-    sweeps = [Study(method, order=order, n=options.n, lam=options.lam, callback=Show)
-              for method in methods.values() for order in options.order]
-    Write(folder, "locking", Text(sweeps), {"locking": LockingFigure(sweeps)})
+    sweeps = []
+    with Files(options.out, "locking.txt") as files:
+        try:
+            for method, order in product(methods.values(), options.order):
+                sweeps.append(Study(method, order=order, n=options.n, lam=options.lam, callback=Show))
+        finally:
+            if sweeps:
+                Write(files, "locking", Text(sweeps), lambda: {"locking": LockingFigure(sweeps)})
     return 0
 
 
 def Atlas(options):
     """All solvers on all problems; what was computed is written and printed also after Ctrl-C."""
     from . import atlas
-    from .atlaspage import Figures, Table, Text, WritePage
+    from .atlaspage import Figures, Table, Text
 
     sweeps, rows = atlas.QuickSweeps() if options.quick else atlas.Sweeps(), []
-    folder = Folder(options.out)
-    table = Table(folder / "atlas.csv")
-    try:
-        for row in atlas.Study(sweeps, limit=atlas.QUICK if options.quick else atlas.LIMIT, callback=Show):
-            rows.append(row)
-            table.Add(row)
-    except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
-    finally:
-        if rows:
-            Write(folder, "atlas", Text(rows, sweeps), Figures(rows, sweeps))
-    if options.page:
+    with Files(options.out, "atlas.txt") as files, Page(options.page) as page:
         try:
-            WritePage(options.page, rows, sweeps)
-        except OSError as error:
-            raise ProblemError(f"cannot write {options.page}: {error.strerror}; choose another --page") from error
-        print(f"written to {options.page}")
+            with files.Growing("atlas.csv") as file:
+                table = Table(file)
+                for row in atlas.Study(sweeps, limit=atlas.QUICK if options.quick else atlas.LIMIT, callback=Show):
+                    rows.append(row)
+                    table.Add(row)
+        finally:
+            if rows:
+                Write(files, "atlas", Text(rows, sweeps), lambda: Figures(rows, sweeps))
+        if page:
+            AtlasPage(page, rows, sweeps)
     return 0
 
 
-def Table3(options):
-    """Print Table 3; write the page if asked."""
-    from .table3 import Methods, Page, Study, Text
+def AtlasPage(files, rows, sweeps):
+    """The page of the atlas, its figures, and all rows in atlas.csv."""
+    from .atlaspage import Figures, Page, Table
 
-    study = Study(n=options.n, methods=Methods(options.method), callback=Show)
-    print(Text(study))
+    WritePage(files, Page(rows, sweeps), lambda: Figures(rows, sweeps))
+    with files.Growing("atlas.csv") as file:
+        table = Table(file)
+        for row in rows:
+            table.Add(row)
+
+
+def Table3(options):
+    """Print Table 3, as far as it was computed also after Ctrl-C; write the page if asked."""
+    from . import table3
+
+    methods, readings = table3.Methods(options.method), []
     complete = options.method == "all" and Path("docs").is_dir()
-    page = options.page or ("docs/table3.md" if complete else None)
-    if page:
+    with Page(options.page or ("docs/table3.md" if complete else None)) as page:
         try:
-            Path(page).write_text(Page(study), encoding="utf-8")
-        except OSError as error:
-            raise ProblemError(f"cannot write {page}: {error.strerror}; choose another --page") from error
-        print(f"\nwritten to {page}")
+            for reading in table3.Readings(options.n, methods=methods, callback=Show):
+                readings.append(reading)
+        finally:
+            if readings:
+                print(table3.Text(readings))
+        if page:
+            WritePage(page, table3.Page(readings), dict)
     return 0
 
 
@@ -243,18 +264,17 @@ def ParameterGrid(options):
 
 
 def _Solve(name, title, samples, count, out, **options):
-    """Solve samples, write and print what became of them; 1 if too many failed, 130 after Ctrl-C."""
+    """Solve samples, write and print what became of them, also after Ctrl-C; 1 if too many failed."""
     from .plots import SweepFigure
     from .sweep import ALLOWED, Line, Sweep, Tally
 
-    folder = Folder(out)
-    print(title, flush=True)
-    try:
-        with open(folder / f"{name}.jsonl", "w", encoding="utf-8") as file:
+    with Files(out, f"{name}.jsonl", f"{name}.txt") as files:
+        print(title, flush=True)
+        with files.Growing(f"{name}.jsonl") as file:
             records = Sweep(samples, file, callback=lambda record: Show(Line(record)), **options)
-    except OSError as error:
-        raise ProblemError(f"cannot write into {folder}: {error.strerror or error}; choose another --out") from error
-    Write(folder, name, f"{title}\n{Tally(records)}", {name: SweepFigure(records)})
+        if records:
+            Write(files, name, f"{title}\n{Tally(records)}", lambda: {name: SweepFigure(records)})
     if len(records) < count:
-        return 130
+        Show(f"ngdgc: {SIGNALS.words}")
+        return SIGNALS.code
     return int(sum(bool(record.error) for record in records) > ALLOWED * count)

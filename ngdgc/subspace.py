@@ -19,8 +19,9 @@ from ngsolve import L2
 from .cycles import Corners
 from .equations import LinearEquations
 from .facets import Native, Threads
-from .inverses import CheckMemory, Direct, Factorised
+from .inverses import Direct, Factorised
 from .iterative import DirectMemory
+from .memory import CheckMemory
 from .preconditioner import PartlyContinuous
 
 
@@ -65,7 +66,8 @@ class Subspace(LinearEquations):
 
     def Inverse(self, matrix):
         nodes = self.mesh.nv + int(Near(self.disc).sum())
-        CheckMemory(DirectMemory(nodes, matrix.nze, self.mesh.dim), matrix.height, "a smaller foundation")
+        CheckMemory(DirectMemory(nodes, matrix.nze, self.mesh.dim), f"the factors of {matrix.height} unknowns",
+                        "a smaller foundation, ")
         return Factorised(matrix, None, self.inversekind, self.mesh.dim)
 
 

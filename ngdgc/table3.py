@@ -128,19 +128,22 @@ def Methods(name="all"):
 
 
 def Study(n=128, *, methods=None, callback=None):
-    """All readings as a list; `n` is the reference mesh 1/n, a multiple of 32, and `callback(line)` reports progress.
+    """All `Readings` as a list."""
+    return list(Readings(n, methods=methods, callback=callback))
+
+
+def Readings(n=128, *, methods=None, callback=None):
+    """Yield every Reading; `n` is the reference mesh 1/n, a multiple of 32, and `callback(line)` reports progress.
 
     methods : {label: method}, by default Methods(), all nine
     """
     if n % max(SIZES) or n <= max(SIZES):
         raise ProblemError(f"n is {n}; the reference mesh must refine the meshes 1/4 ... 1/32: give a larger multiple of 32")
-    readings = []
     for example, (name, method) in product(EXAMPLES, (methods or Methods()).items()):
         for plane, cells in product(("stress", "strain"), DIAGONALS) if name in EVERY else (CLOSEST[example],):
             if callback:
                 callback(f"example {example}, {name}, plane {plane}, diagonal {DIAGONALS[cells]}")
-            readings += _Read(example, name, method, plane, cells, n)
-    return readings
+            yield from _Read(example, name, method, plane, cells, n)
 
 
 def _Read(example, name, method, plane, cells, n):
@@ -167,6 +170,8 @@ def _Sections(readings):
         plane, cells = CLOSEST[example]
         rows = [(f"{protocol}, {r.method}", r) for protocol in PROTOCOLS for r in own
                 if (r.plane, r.cells, r.protocol) == (plane, cells, protocol)]
+        if not rows:
+            continue
         yield (f"Example {example}, all methods, plane {plane}, diagonal {DIAGONALS[cells]}",
                [_Published(example), *(_Row(*row) for row in rows)])
 

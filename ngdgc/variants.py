@@ -7,6 +7,7 @@ from typing import Any
 from .calls import ByKeyword
 from .exceptions import ProblemError
 from .methods import METHODS
+from .names import Meant
 
 FORMS = ("edge", "lifting")
 PAPER = ("ip", "bassi", "brezzi", "ldg", "h1")
@@ -37,7 +38,7 @@ def Variants(method: str = "all", *, form: str | None = None, penalty: Any = "au
     ['IP edge', 'IP lifting']
     """
     if method != "all" and method not in METHODS:
-        raise ProblemError(f"no method {method!r}; choose all or one of {', '.join(METHODS)}")
+        raise ProblemError(f"no method {method!r}; choose all or one of {', '.join(METHODS)}{Meant(method, METHODS)}")
     if form not in (*FORMS, None):
         raise ProblemError(f"form is {form!r}; choose edge or lifting, or give none for both")
     for name, value, default in (("form", form, None), ("penalty", penalty, "auto")):

@@ -3,7 +3,7 @@
 from pathlib import Path
 from unittest.mock import patch
 
-from ngdgc import atlas, cli, table3
+from ngdgc import atlas, cli
 from ngdgc.cases import example_4_1
 
 EXAMPLE = Path(example_4_1.__file__).read_text(encoding="utf-8")
@@ -35,27 +35,13 @@ def WithoutProblem(folder):
     Typed("stability OUT/case.py")(folder)
 
 
-def OfNothing(module, words, *blocked):
-    """The mistake in a command of a study that has done its work, which takes long, at once."""
-    def Mistake(folder):
-        with patch.object(module, "Study", side_effect=lambda *arguments, **options: []):
-            Typed(words, *blocked)(folder)
-    return Mistake
-
-
-def NoTable(folder):
-    """What a study of Table 3 has found cannot be written: its numbers are of no matter, its reference mesh costs minutes."""
-    with patch.object(table3, "Text", return_value=""), patch.object(table3, "Page", return_value=""):
-        OfNothing(table3, "table3 --page OUT/page", "page")(folder)
-
-
 def NoAtlas(folder):
     """One row, whose table is gone from under it."""
     def Study(sweeps, **options):
         yield "a row that no file takes"
 
     with patch.object(atlas, "Study", Study), patch("ngdgc.atlaspage.Table.Add", side_effect=OSError(28, "No space left")), \
-            patch("ngdgc.studies.Write"), patch("ngdgc.atlaspage.Text"), patch("ngdgc.atlaspage.Figures"):
+            patch("ngdgc.studies.Write"), patch("ngdgc.atlaspage.Text"):
         Typed("atlas --quick --out OUT")(folder)
 
 
@@ -69,9 +55,11 @@ COMMANDS = [
     (Changed("return solver.Solve(disc, callback=callback)", "pass"),
      "returned NoneType | ContactSolution | let it return what the solver"),
     (WithoutProblem, "case.py has no functions | Problem() and Mesh(n) | write them"),
+    (Typed("rnu example_4_1"), "invalid choice: 'rnu' | choose one of run, cases | did you mean 'run'"),
+    (Typed("run example_4_1 --colour red"), "unrecognized arguments: | --colour red | see ngdgc run --help"),
     (Typed("run example_4_1 --n many"), "--n: 'many' is not | a positive integer | give for example 4"),
     (Typed("run example_4_1 --tol big"), "--tol: 'big' is not | a number | give for example 0.5"),
-    (Typed("run example_4_1 --out OUT/file"), "cannot write into | file: File exists | choose another folder"),
+    (Typed("run example_4_1 --out OUT/file"), "cannot write into | file: File exists | choose another --out"),
     (Typed("run example_4_1 --n 2 --out OUT", "report.txt"), "cannot write into | Is a directory | choose another --out"),
     (Typed(f"{RUN} --method ipp"), "no method 'ipp' | one of ip, bassi | choose"),
     (Typed(f"{RUN} --method h1 --form lifting"), "--form | does not apply to method 'h1' | leave it out"),
@@ -87,10 +75,10 @@ COMMANDS = [
     (Typed("accuracy --method ip --order 1 --cells triangle --budget 1e-9 --out OUT --page OUT/page", "page"),
      "cannot write | page: Is a directory | choose another --page"),
     (NoAtlas, "cannot write into | No space left | choose another --out"),
-    (OfNothing(atlas, "atlas --quick --out OUT --page OUT/page", "page"),
+    (Typed("atlas --quick --out OUT --page OUT/page", "page"),
      "cannot write | page: Is a directory | choose another --page"),
     (Typed("table3 --n 40"), "n is 40 | the reference mesh must refine | give a larger multiple of 32"),
-    (NoTable, "cannot write | page: Is a directory | choose another --page"),
+    (Typed("table3 --page OUT/page", "page"), "cannot write | page: Is a directory | choose another --page"),
     (Typed("sweep --count 1 --out OUT", "sweep.jsonl"), "cannot write into | Is a directory | choose another --out"),
     (Typed("sweep --count 3 --dofs 10 --out OUT"), "dofs is 10 | too few for a mesh with | give more"),
     (Typed("grid --geometry ball --out OUT"), "no geometry 'ball' | one of 4.1, 4.2 | choose"),

@@ -4,6 +4,7 @@ from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
+import psutil
 import pytest
 from ngsolve import CF
 
@@ -90,7 +91,7 @@ def test_a_body_that_only_its_foundation_holds_is_iterated():
 def test_what_does_not_fit_is_refused_before_it_is_begun(monkeypatch):
     """By an estimate that is right for what can be factorised."""
     memory = SimpleNamespace(available=1e4)
-    monkeypatch.setattr(inverses.psutil, "virtual_memory", lambda: memory)
+    monkeypatch.setattr(psutil, "virtual_memory", lambda: memory)
     with pytest.raises(ProblemError, match="of 576 unknowns would take about .* GB.*take inverse='iterative', a coarser mesh"):
         Solid().Solve(coarser=())
     with pytest.raises(ProblemError, match="take a discontinuous method with inverse='iterative'"):

@@ -17,8 +17,10 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["exceptions", "formula", "interfaces", "report", "parallel", "peers", "protocols", "tables"],
-          ["calls", "userlaws"], ["arguments", "casefiles", "coefficients", "derivatives", "meshes"],
+LAYERS = [["arguments", "console", "exceptions", "formula", "interfaces", "parallel", "peers", "protocols", "signals",
+           "tables"],
+          ["calls", "files", "memory", "names", "report", "userlaws"],
+          ["casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["meshchecks"], ["quadrature"], ["storage"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],

@@ -7,11 +7,13 @@ from typing import Any
 from ngsolve import CF, Grad, GridFunction, grad, x, y, z
 from ngsolve.comp import GridFunctionCoefficientFunction
 
+from .calls import ByKeyword
 from .exceptions import ProblemError
 
 AXES = (x, y, z)
 
 
+@ByKeyword
 def Derivative(value: Any, axis: int, name: str = "the function") -> Any:
     """d value/dx_axis of a CoefficientFunction, of its shape.
 

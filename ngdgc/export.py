@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib import colormaps
-from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, VTKOutput, sqrt
+from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, sqrt
 from ngsolve.webgui import Draw
 
 from .calls import ByKeyword
@@ -13,6 +13,7 @@ from .elasticity import HookeMaterial
 from .exceptions import ProblemError
 from .facets import Coordinates, VolumePoints
 from .solution import CheckSolution
+from .vtkfiles import VERTEX, ElementGrid, WriteUnstructured
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
 COLOURS = colormaps["viridis"](np.linspace(0, 1, 12))[:, :3].tolist()    # NGSolve's own rainbow is not colour-blind safe
@@ -192,21 +193,38 @@ def WriteVTK(solution, path):
 
     Fields at the points: `displacement`, 3 components (0, in 2D, appended) [length], ready for ParaView's WarpByVector;
     `stress`, the 9 components row by row [stress], and `vonmises` [stress], both with the out-of-plane stress of the plane
-    state.  Elements are bisected order - 1 times, as VTK draws linearly.  `path` with or without its suffix; returns the Path
+    state.  Elements are bisected order - 1 times, at most three times, as VTK draws linearly; pyramids are
+    written as two tetrahedra.  `path` with or without its suffix; returns the Path
     of the file.
     """
     CheckSolution(solution)
-    disc = solution.disc
-    path = Path(path)
-    if path.suffix != ".vtu":
-        path = path.with_name(path.name + ".vtu")
-    path.touch()        # VTKOutput is silent if it cannot write
-    displacement = CF(tuple(solution.gfu)) if disc.mesh.dim == 3 else CF((solution.gfu[0], solution.gfu[1], 0))
-    stress = SpatialStress(solution)
+    disc, stress = solution.disc, SpatialStress(solution)
     bisections = min(max(disc.order, disc.mesh.GetCurveOrder()) - 1, SUBDIVISION)
-    VTKOutput(disc.mesh, [displacement, stress, VonMises(stress)], ["displacement", "stress", "vonmises"],
-              str(path.with_suffix("")), subdivision=bisections, legacy=False).Do()
-    return path
+    grid = ElementGrid(disc.facets, 2 ** bisections)
+    fields = {"displacement": solution.gfu, "stress": stress, "vonmises": VonMises(stress)}
+    values = {name: np.asarray(CF(field)(grid.points)).reshape(len(grid.points), -1) for name, field in fields.items()}
+    values["displacement"] = _Spatial(values["displacement"])
+    return WriteUnstructured(path, grid.coordinates, grid.cells, values)
+
+
+@ByKeyword
+def WriteContactVTK(solution, path):
+    """Write a VTK file (.vtu) of the contact points, with what `ContactSolution` has there.
+
+    Fields at the points: `pressure`, `friction` (3 components), `bound` [stress]; `penetration`, `slip`, `gap`,
+    `displacement` [length]; `zones`, as numbered in `ngdgc.graph.ZONES`; `normals`; `weights` [length^(d-1)].  `path` with or
+    without its suffix; returns the Path of the file.
+    """
+    CheckSolution(solution)
+    names = ("pressure", "friction", "bound", "penetration", "slip", "displacement", "zones", "normals", "weights")
+    fields = {name: np.asarray(getattr(solution, name)) for name in names} | {"gap": solution.disc.contact.gap}
+    fields = {name: _Spatial(field) if field.ndim == 2 else field for name, field in fields.items()}
+    return WriteUnstructured(path, _Spatial(solution.points), [(VERTEX, np.arange(len(solution.points))[:, None])], fields)
+
+
+def _Spatial(vectors):
+    """Vectors (n, d) with a third component 0 in 2D, (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 @ByKeyword

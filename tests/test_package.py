@@ -27,7 +27,7 @@ LAYERS = [["arguments", "console", "exceptions", "formula", "interfaces", "paral
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["cycles"], ["methods", "solenoidal"],
           ["preconditioner"], ["iterative"], ["inverses"], ["equations"], ["discretization"], ["graph"],
-          ["fluxes", "tractions", "cuts"], ["conformingtractions"],
+          ["fluxes", "tractions", "cuts", "vtkfiles"], ["conformingtractions"],
           ["forces", "resultants", "compliance", "coarsening", "subspace", "fingerprint"], ["archive"], ["solution"],
           ["solvers.driver", "solvers.equation", "solvers.recycling", "solvers.stiffness"],
           ["solvers.reduced"],

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from conftest import ExitCode
 
 from ngdgc import Conforming, ContactSolution
 from ngdgc.cases import example_4_1
@@ -33,6 +34,11 @@ def test_run_leaves_everything(tmp_path):
     numbers = json.loads((out / "report.json").read_text())
     solution = example_4_1.Main(n=4)
     assert numbers["elastic_energy"] == pytest.approx(solution.energy, rel=1e-12)
+    # What was solved, and what was not there; a solution of a script has no case.
+    assert (numbers["case"], numbers["dirichlet"], numbers["traction"]) == (
+        "example_4_1", {"right": "(0, 0)"}, {"left": "(200*(5 - y), -190)"})
+    assert (numbers["roller"], numbers["bodyforce"]) == ({}, None) and "TrescaFriction" in numbers["foundations"][0]
+    assert solution.ToJSON()["case"] is None
     assert [level["iterations"] for level in numbers["levels"]] == [numbers["iterations"]]
     loaded = ContactSolution.Load(out / "solution", example_4_1.Problem())
     assert loaded.displacement == pytest.approx(solution.displacement, abs=1e-12)
@@ -93,6 +99,35 @@ def test_a_mistake_is_one_line_and_exit_code_2(arguments, culprit, tmp_path, cap
         code = stop.code
     message = capsys.readouterr().err
     assert code == 2 and culprit in message and message.count("\n") == 1 and "Traceback" not in message
+
+
+@pytest.mark.parametrize("words, meant", [
+    ("run exmaple_4_1", "'example_4_1'"), ("run hertz", "'hertz_line'"), ("run cases/machine_prat.py", "'machine_part'"),
+    ("run example_4_1 --method bassy", "'bassi'"), ("run example_4_1 --solver newtn", "'newton'"),
+    ("compare example_4_1 --method ip ldq", "'ldg'"), ("convergence --method brezi", "'brezzi'"),
+    ("convergence --cells trianlge", "'triangle'"), ("grid --geometry bock", "'block'"), ("rnu example_4_1", "'run'"),
+    ("Convergense", "'convergence'"), ("bench asembly", "'assembly'"), ("run example_4_1 --mehtod ip", "'--method'"),
+    ("run example_4_1 --oder=2", "'--order'"), ("locking --lamda 3", "'--lam'")])
+def test_a_mistyped_name_is_answered_with_the_one_that_is_meant(words, meant, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert ExitCode(words) == 2
+    message = capsys.readouterr().err
+    assert f"(did you mean {meant}?)" in message and message.count("\n") == 1
+    # What an option is for stands in the help of its command.
+    assert ("--" not in meant) or f"(see ngdgc {words.split()[0]} --help)" in message
+
+
+def test_nothing_is_meant_by_what_is_near_to_nothing(capsys):
+    for words in ("run example_4_1 --method xyz", "run example_4_1 --zzz 3", "quux"):
+        assert ExitCode(words) == 2 and "did you mean" not in capsys.readouterr().err
+
+
+def test_names_are_found_in_any_case(tmp_path):
+    words = "run Example_4_1 --method LDG --form Lifting --solver Newton --cells Quad --plane STRAIN --n 2 --out"
+    assert Main([*words.split(), str(tmp_path)]) == 0
+    numbers = json.loads((tmp_path / "report.json").read_text())
+    assert numbers["options"] == "LDG(form='lifting')" and numbers["solver"].startswith("SemismoothNewtonSolver")
+    assert numbers["elements"] == 4 and "plane='strain'" in numbers["material"]
 
 
 def Variant(tmp_path, old, new):

@@ -1,5 +1,6 @@
 """The checker: right answers pass, and wrong ones meet the hint for their mistake; no hint gives an answer away."""
 
+import math
 import runpy
 from dataclasses import replace
 from functools import cache
@@ -88,6 +89,7 @@ WRONG = {
              (lambda p, d, g, k, c: k * np.maximum(d + c * p - g, 0), "mind the sign")],
     "05.2": [(lambda q, tol: np.log(tol) / np.log(q), "A step is done or not"),
              (lambda q, tol: np.floor(np.log(tol) / np.log(q)), "wrong direction"),
+             (lambda q, tol: 1 + np.floor(np.log(tol) / np.log(q)), "reached exactly"),
              (lambda q, tol: np.ceil(np.log(q) / np.log(tol)), "other way round")],
     "05.3": [(lambda m: np.clip(m, -1, 1), "a square"), (lambda m: m, "Nothing was projected"),
              (lambda m: Solution("05.3")(m).T, "interchanged")],
@@ -97,8 +99,13 @@ WRONG = {
              (lambda p, t, b: np.where(p > 0, np.where(np.abs(t) < b, 2, 1), 0), "interchanged")],
     "06.2": [(lambda r, k, m: np.where(r > 0, k * np.abs(r) ** (m - 1), 0), "comes down"),
              (lambda r, k, m: k * m * np.abs(r) ** (m - 1), "derivative is zero"),
+             (lambda r, k, m: k * m * np.maximum(r, 0) ** (m - 1), "Try m = 1"),
+             (lambda r, k, m: k * m * np.maximum(r, 0) ** (m - 1) if r > 0 else 0, "use np.where"),
+             (lambda r, k, m: k * m * math.pow(max(r[0], 0), m), "those of numpy"),
              (lambda r, k, m: k * m * np.sqrt(np.where(r < 0, np.nan, r)) ** (m - 1), "Not finite")],
-    "06.3": [(lambda r, g, d, c, k, m: d - g - c * k * np.maximum(r, 0) ** m, "slope of the body"),
+    "06.3": [(lambda r, g, d, c, k, m: r - (r + g + c * k * np.maximum(r, 0) ** m - d)
+              / (1 + c * k * m * np.maximum(r, 0) ** (m - 1)), "Try m = 1"),
+             (lambda r, g, d, c, k, m: d - g - c * k * np.maximum(r, 0) ** m, "slope of the body"),
              (lambda r, *data: 2 * r - Solution("06.3")(r, *data), "subtracts"),
              (lambda r, g, *data: Solution("06.3")(r, 0 * g, *data), "forgot the gap")],
     "06.4": [(("a", 2), "history"), (("b", 1), "straight line"), (("c", 1), "pieces")],
@@ -113,6 +120,7 @@ WRONG = {
     "07.4": [(("a", 1), "without friction"), (("c", 1), "incompressible"), (("b", 2), "wrong law")],
     "08.1": [(lambda r, p, gamma: p - gamma * np.maximum(r, 0), "normal compliance"),
              (lambda r, p, gamma: p * r, "two inequalities"), (lambda r, p, gamma: -gamma * r, "positive part is missing"),
+             (lambda r, p, gamma: np.where(p > 0, np.minimum(p, -gamma * r), 0), "no solution either"),
              (Scaled("08.1", -1), "Wrong sign")],
     "08.2": [(lambda e, k: np.log10(e[:-1] / e[1:]), "grow tenfold"), (Scaled("08.2", -1), "Wrong sign"),
              (lambda e, k: np.log(e[:-1] / e[1:]), "Divide by the logarithm")],
@@ -194,6 +202,25 @@ def test_no_answer_is_no_mistake():
 def test_unknown_exercises_are_refused_with_the_list():
     with pytest.raises(ProblemError, match=r"no exercise '11.1'; there are 01.1, 01.2.*10.4"):
         Check("11.1", 3)
+
+
+def test_names_are_understood_with_and_without_the_zero():
+    for name in ("1.4", "01.4", " 01.4 ", "1.4 "):
+        assert Check(name, ("b", 2)) and Check(name, ("b", 2)).exercise == "01.4"
+    assert Check("10.4", ("b", 1)).exercise == "10.4"
+    for name in (1.4, 10.4, None, ["01.4"], "1", "01.40", "0.1.4"):
+        with pytest.raises(ProblemError, match="no exercise .*01.1, 01.2") as error:
+            Check(name, ("b", 2))
+        assert ("in quotes" in str(error.value)) != isinstance(name, str)
+
+
+def test_what_is_right_only_beside_the_limit_is_not_accepted():
+    """The data have m = 1 at open and closed points; without them, which is the control, 0**0 would not be noticed."""
+    exercise = EXERCISES["06.2"]
+    r, k, m = exercise.Data(np.random.default_rng(6))
+    assert np.any((m == 1) & (r < 0)) and np.any((m == 1) & (r > 0))
+    without = replace(exercise, Data=lambda rng: (r, k, np.maximum(m, 1.5)))
+    assert without.Hint(lambda r, k, m: k * m * np.maximum(r, 0) ** (m - 1)) is None
 
 
 def test_verdicts_show_themselves():

@@ -9,7 +9,7 @@ EXERCISES = {name: exercise for module in (winkler, spaces, fluxes, liftings, it
 
 
 def Check(exercise, answer):
-    """The `checker.Verdict` on an answer to an exercise, named as in its notebook; `...` is no answer yet.
+    """The `checker.Verdict` on an answer to an exercise, named as in its notebook (or "1.4" for "01.4"); `...` is no answer.
 
     A verdict shows itself in a notebook and is true if the answer is correct; if not, its words hint at the kind of mistake.
 
@@ -18,6 +18,9 @@ def Check(exercise, answer):
     >>> Check("01.4", ("a", 1))
     01.4: not yet. Cut the column free just above the soil: which force must the soil balance?
     """
-    if exercise not in EXERCISES:
-        raise ProblemError(f"no exercise {exercise!r}; there are {', '.join(EXERCISES)}")
-    return Grade(exercise, EXERCISES[exercise], answer)
+    text = exercise.strip().zfill(len("01.1")) if isinstance(exercise, str) else None
+    if text not in EXERCISES:
+        # 1.1 and 1.10 are the same number.
+        advice = "" if isinstance(exercise, str) else '; give its name in quotes, such as "01.1"'
+        raise ProblemError(f"no exercise {exercise!r}; there are {', '.join(EXERCISES)}{advice}")
+    return Grade(text, EXERCISES[text], answer)

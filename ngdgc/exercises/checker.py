@@ -4,6 +4,7 @@ A kind of answer has `Hint(answer)`, None if the answer is right, else a sentenc
 values are computed when they are asked for; so are typical wrong ones, each with its own hint.
 """
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from html import escape
@@ -96,7 +97,7 @@ class Function:
         try:
             found = answer(*self._Arguments())
         except Exception as error:      # whatever a student's function does is to be graded
-            return f"When it is called, {self.words} raises {type(error).__name__}: {error}"
+            return f"When it is called, {self.words} raises {type(error).__name__}: {error}{_Vectorised(error)}"
         if found is None or found is ...:
             return f"Nothing comes out of {self.words}; is there a return?"
         wrong = [(hint, Mistake(*self._Arguments())) for hint, Mistake in self.mistakes.items()]
@@ -208,6 +209,15 @@ def _Array(value):
     if array.dtype.kind not in "iuf":
         raise TypeError
     return array.astype(float)
+
+
+def _Vectorised(error):
+    """What to do about an error that comes from taking an array for a number, or nothing."""
+    if "truth value" in str(error):
+        return "  The data are arrays, and `if`, `and`, `max` are for one number: use np.where, &, np.maximum."
+    if re.search("only .*arrays can be converted|only 0-dimensional arrays", str(error)):
+        return "  The data are arrays, and functions of math are for one number: use those of numpy."
+    return ""
 
 
 def _Kind(answer: Any):

@@ -11,7 +11,8 @@ def Columns(rng):
 
 
 def Factors(rng):
-    return rng.uniform(0.05, 0.99, 20), 10 ** -rng.uniform(2, 12, 20)
+    """Also a tolerance that is reached exactly, after 3 and after 2 steps."""
+    return np.append(rng.uniform(0.05, 0.99, 18), (0.5, 0.25)), np.append(10 ** -rng.uniform(2, 12, 18), (0.125, 0.0625))
 
 
 def Step(p, d, g, k, c):
@@ -47,6 +48,8 @@ EXERCISES = {
         mistakes={
             "A step is done or not: round, and in the direction that reaches the tolerance.": Steps,
             "Rounded in the wrong direction: the tolerance is just missed.": lambda q, tol: np.floor(Steps(q, tol)),
+            "The tolerance may be reached exactly: then there is nothing to round up.":
+                lambda q, tol: np.floor(Steps(q, tol)) + 1,
             "Rounding to the nearest number misses the tolerance half of the time.": lambda q, tol: np.round(Steps(q, tol)),
             "Wrong sign: both logarithms are negative.": lambda q, tol: np.ceil(-Steps(q, tol)),
             "Divide the logarithms the other way round.": lambda q, tol: np.ceil(1 / Steps(q, tol))}),

@@ -10,7 +10,8 @@ from .checker import Choice, Function, Value
 
 
 def Materials(rng):
-    return rng.uniform(1, 3000, 20), rng.uniform(0.05, 0.499, 20)
+    """Also without lateral contraction."""
+    return rng.uniform(1, 3000, 20), np.append(0, rng.uniform(0.05, 0.499, 19))
 
 
 def Lam(E, nu):

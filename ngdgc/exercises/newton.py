@@ -18,7 +18,8 @@ def Zone(pressure, friction, bound):
 
 
 def Penetrations(rng):
-    return rng.uniform(-1, 2, 30), rng.uniform(1, 50, 30), rng.uniform(1, 3, 30)
+    """Open and closed points, each also with m = 1, the law of most examples, where numpy takes 0**0 for 1."""
+    return rng.uniform(-1, 2, 30), rng.uniform(1, 50, 30), np.where(np.arange(30) % 3 == 0, 1.0, rng.uniform(1, 3, 30))
 
 
 def Depth(r):
@@ -28,6 +29,11 @@ def Depth(r):
 
 def Derivative(r, k, m):
     return np.where(r > 0, k * m * Depth(r) ** (m - 1), 0)
+
+
+def Unmasked(r, k, m):
+    """k m (r)_+^(m-1) without a case for r <= 0, where it is k for m = 1."""
+    return k * m * Depth(r) ** (m - 1)
 
 
 def Columns(rng):
@@ -61,6 +67,7 @@ EXERCISES = {
             "That is the law itself.": lambda r, k, m: k * Depth(r) ** m,
             "Out of contact the pressure is constant: its derivative is zero.":
                 lambda r, k, m: k * m * np.abs(r) ** (m - 1),
+            "Try m = 1 at an open point: numpy takes 0**0 for 1.  A case for r <= 0 makes the derivative zero there.": Unmasked,
             "Only the factor m, not the power, was lowered.": lambda r, k, m: k * m * Depth(r) ** m}),
     "06.3": Function(
         Right=NewtonStep, Data=Columns, hint="r - F(r)/F'(r), with the positive part in both.",
@@ -70,6 +77,7 @@ EXERCISES = {
                 lambda *data: NewtonStep(*data, slope=lambda r, k, m: 0),
             "F' has the stiffness at open points, too: the indicator r > 0 is missing.":
                 lambda *data: NewtonStep(*data, slope=lambda r, k, m: k * m * np.abs(r) ** (m - 1)),
+            "Try m = 1 at an open point: in F' numpy takes 0**0 for 1.": lambda *data: NewtonStep(*data, slope=Unmasked),
             "F' is that for m = 1.": lambda *data: NewtonStep(*data, slope=lambda r, k, m: np.where(r > 0, k, 0)),
             "Wrong sign: Newton subtracts F/F'.": lambda r, *data: 2 * r - NewtonStep(r, *data),
             "You forgot the gap in F.": lambda r, g, *data: NewtonStep(r, 0, *data),

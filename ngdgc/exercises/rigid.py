@@ -6,7 +6,8 @@ from .checker import Choice, Function
 
 
 def States(rng):
-    return rng.uniform(-1, 1, 30), rng.uniform(0, 5, 30), 3.7
+    """Also without pressure, open and closed."""
+    return rng.uniform(-1, 1, 30), np.where(np.arange(30) % 3 == 0, 0.0, rng.uniform(0, 5, 30)), 3.7
 
 
 def Residual(r, p, gamma):
@@ -39,6 +40,8 @@ EXERCISES = {
             "That is the residual of normal compliance with the stiffness gamma.":
                 lambda r, p, gamma: p - gamma * np.maximum(r, 0),
             "gamma multiplies r: stresses are added to stresses.": lambda r, p, gamma: p - np.maximum(p + r, 0),
+            "Without pressure the point may be in the foundation all the same: that is no solution either.":
+                lambda r, p, gamma: np.where(p > 0, Residual(r, p, gamma), 0),
             "r counts into the foundation: mind its sign.": lambda r, p, gamma: Residual(-r, p, gamma),
             "That is the product p r: it forgets the two inequalities.": lambda r, p, gamma: p * r}),
     "08.2": Function(

@@ -11,7 +11,8 @@ from .checker import Choice, Function, Value
 
 
 def Materials(rng):
-    return rng.uniform(10, 3000, 20), rng.uniform(0.05, 0.48, 20)
+    """Also without lateral contraction."""
+    return rng.uniform(10, 3000, 20), np.append(0, rng.uniform(0.05, 0.48, 19))
 
 
 def Lam(E, nu, plane):

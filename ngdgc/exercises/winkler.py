@@ -1,5 +1,7 @@
 """Exercises of notebook 1, the Winkler column."""
 
+import numpy as np
+
 from ..elasticity import HookeMaterial
 from .checker import Choice, Function, Value
 
@@ -13,7 +15,9 @@ def Settlement(gap=GAP, depth=PRESSURE / STIFFNESS, modulus=MODULUS):
 
 
 def Loads(rng):
-    return rng.uniform(1, 5, 20), rng.uniform(10, 90, 20), rng.uniform(0.5, 3, 20), rng.uniform(0.1, 1, 20)
+    """Also no load, for which the column just touches, and m = 1."""
+    return (np.append(0, rng.uniform(1, 5, 19)), rng.uniform(10, 90, 20), np.append(rng.uniform(0.5, 3, 19), 1),
+            rng.uniform(0.1, 1, 20))
 
 
 EXERCISES = {

@@ -207,14 +207,19 @@ class Facets:
 
 
 def BoundaryFunction(facets, gfu):
-    """(vertices (n, d), one-sided values of gfu there (n, d)) of every boundary element, two lists."""
+    """(vertices (n, d), one-sided values of gfu there (n, d)) of every boundary element, two lists; NaN beside the body."""
     mesh, corners, values = facets.mesh, [], []
     points = mesh.ngmesh.Coordinates()
     for element in mesh.Elements(BND):
-        volume = mesh[ElementId(VOL, int(facets.incidence.indices[facets.incidence.indptr[facets.boundary[0][element.nr]]]))]
+        corners.append(np.array([points[vertex.nr] for vertex in element.vertices]))
+        facet = facets.boundary[0][element.nr]
+        volumes = facets.incidence.indices[facets.incidence.indptr[facet]:facets.incidence.indptr[facet + 1]]
+        volume = mesh[ElementId(VOL, int(volumes[0]))] if len(volumes) else None
+        if volume is None or not set(element.vertices) <= set(volume.vertices):
+            values.append(np.full(corners[-1].shape, np.nan))
+            continue
         trafo = mesh.GetTrafo(ElementId(VOL, volume.nr))
         inside = [REFERENCE_VERTICES[volume.type][list(volume.vertices).index(vertex)] for vertex in element.vertices]
-        corners.append(np.array([points[vertex.nr] for vertex in element.vertices]))
         values.append(np.array([gfu(trafo(*corner)) for corner in inside]))
     return corners, values
 

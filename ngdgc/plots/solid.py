@@ -10,6 +10,7 @@ from ngsolve import BND
 
 from ..graph import ZONES
 from ..facets import BoundaryFunction
+from ..meshchecks import Sides
 from .canvas import BLUE, GREEN, RED, ZONE_COLOURS
 
 
@@ -84,11 +85,12 @@ def DeformedSurface(solution, scale):
     """The boundary of the body with each face moved by its own one-sided displacement; Gamma_C in the colours of zones."""
     disc = solution.disc
     corners, moved = BoundaryFunction(disc.facets, solution.gfu)
-    faces = [x + scale * u for x, u in zip(corners, moved)]
+    shown = [number for number, u in enumerate(moved) if np.all(np.isfinite(u))]
+    faces = [corners[number] + scale * moved[number] for number in shown]
     touching, members = disc.contact.facets, disc.contact.members
     zone = {number: ZONE_COLOURS[solution.zones[members[touching == number]].max()] for number in np.unique(touching)}
-    colours = [zone.get(element.nr, "#D9E5F0") for element in disc.mesh.Elements(BND)]
-    largest = max(np.linalg.norm(u, axis=1).max() for u in moved)
+    colours = [zone.get(number, "#D9E5F0") for number in shown]
+    largest = max(np.linalg.norm(moved[number], axis=1).max() for number in shown)
     state = "" if solution.converged else ", NOT CONVERGED"
     title = (f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\ndisplacement x {scale:g}, "
              f"max |u| = {largest:.3g}{state}")
@@ -104,7 +106,7 @@ def SettingSurface(disc):
     kinds = dict.fromkeys(range(len(mesh.GetBoundaries())), "free")
     for kind, region in disc.problem.Regions():
         kinds |= {index: kind for index, found in enumerate(mesh.Boundaries(region).Mask()) if found}
-    elements = list(mesh.Elements(BND))
+    elements = [element for element, side in zip(mesh.Elements(BND), Sides(disc.facets, ".*")) if side]
     faces = [np.array([points[vertex.nr] for vertex in element.vertices]) for element in elements]
     present = {kind: colour for kind, colour in KINDS.items() if kind in kinds.values()}
     return _Surface(faces, [KINDS[kinds[element.index]] for element in elements], "setting", present)

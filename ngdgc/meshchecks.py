@@ -29,10 +29,10 @@ def CheckElements(mesh):
     corners in other straight ones, and on a finer one, a little inside, in curved ones.
     """
     _CheckIdentified(mesh)
+    _CheckCurves(mesh)
     vertices, middles = Vertices(mesh, mesh.dim), Middles(mesh)
-    elements = (mesh.ngmesh.Elements2D() if mesh.dim == 2 else mesh.ngmesh.Elements3D()).NumPy()
     # Netgen marks all that is no simplex as curved.
-    curved = elements["curved"] & Curved(mesh) | (mesh.deformation is not None)
+    curved = _Marked(mesh.ngmesh) & Curved(mesh) | (mesh.deformation is not None)
     for et, rows in _ByType(vertices, mesh.dim):
         corners = vertices[rows[~curved[rows]], :len(REFERENCE_VERTICES[et])]
         affine = np.zeros(len(rows), dtype=bool)
@@ -41,6 +41,23 @@ def CheckElements(mesh):
         inner = inner.mean(axis=0) + INNER * (inner - inner.mean(axis=0))
         for some, points in ((affine, Lattice(et, 1)[:1]), (~affine & ~curved[rows], Lattice(et, 2)), (curved[rows], inner)):
             _CheckMaps(mesh, middles[rows[some]], points)
+
+
+def _Marked(mesh):
+    """True for the elements that Netgen knows to be curved."""
+    return (mesh.Elements2D() if mesh.dim == 2 else mesh.Elements3D()).NumPy()["curved"]
+
+
+def _CheckCurves(mesh):
+    """Refinement leaves straight elements and the order of the curves that were; whether there is a curve a copy tells."""
+    order = mesh.GetCurveOrder()
+    if order == 1 or mesh.levels == 1 or mesh.ngmesh.GetGeometry() is None or _Marked(mesh.ngmesh).any():
+        return
+    copy = mesh.ngmesh.Copy()
+    copy.Curve(order)
+    if _Marked(copy).any():
+        raise ProblemError(f"the mesh has order {order} but straight elements at a curved boundary, for it was refined after "
+                           f"it was curved; call mesh.Curve({order}) after refinement, or mesh.Curve(1) for straight elements")
 
 
 def Middles(mesh):

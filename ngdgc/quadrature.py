@@ -5,9 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import ET, QUAD, SEGM, TRIG, IntegrationRule, specialcf
 
+from .exceptions import ProblemError
 from .facets import REFERENCE_VERTICES, TYPES, Coordinates
 from .meshchecks import Sides
 
+SAME = 1e-9     # distance of two points that are one, relative to the largest coordinate
 BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 
 
@@ -41,6 +43,7 @@ class BoundaryQuadrature:
         side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
 
         Every side of an element counts once, however often the mesh has it; boundary elements that are none do not count.
+        Raises ProblemError for boundary elements that are curved otherwise than the elements.
         """
         mesh, dim = facets.mesh, facets.mesh.dim
         rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
@@ -73,8 +76,12 @@ class BoundaryQuadrature:
         # (holes, mirrored meshes); the reference normal of the adjacent element, mapped as a covector, always points outward.
         mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)
         normals = np.linalg.solve(np.swapaxes(mapping, 1, 2), normals[..., None])[..., 0]
-        return cls(points=points, inside=inside, weights=weights,
-                   coordinates=np.asarray(Coordinates(dim)(points)).reshape(-1, dim),
+        coordinates, beside = (np.asarray(Coordinates(dim)(at)).reshape(-1, dim) for at in (points, inside))
+        gap = np.abs(coordinates - beside).max(initial=0)
+        if gap > SAME * np.abs(coordinates).max(initial=0):
+            raise ProblemError(f"boundary elements of region {region!r} lie up to {gap:.3g} off the sides of their elements; "
+                               "both must have the same points in the middle of edges: make the mesh again, or take Curve")
+        return cls(points=points, inside=inside, weights=weights, coordinates=coordinates,
                    normals=normals / np.linalg.norm(normals, axis=1)[:, None])
 
 

@@ -2,7 +2,7 @@
 
 from netgen.meshing import Element1D, Element2D, Element3D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
-from netgen.occ import Box, IdentificationType, OCCGeometry, Rectangle, X, Y, Z
+from netgen.occ import Box, Circle, IdentificationType, OCCGeometry, Rectangle, X, Y, Z
 from ngsolve import Mesh
 
 from ngdgc.meshes import UnitMesh
@@ -88,3 +88,18 @@ def Periodic(dim, kind=IdentificationType.PERIODIC):
     sides.Min(X).name, sides.Max(X).name = "left", "right"
     sides.Max(X).Identify(sides.Min(X), "period", kind)
     return Mesh(OCCGeometry(shape, dim=dim).GenerateMesh(maxh=0.5))
+
+
+def Straightened():
+    """A disc of second order whose boundary edges have lost the points in their middle."""
+    mesh = OCCGeometry(Circle((0, 0), 1).Face(), dim=2).GenerateMesh(maxh=0.7)
+    mesh.SecondOrder()
+    mesh.Elements1D().NumPy()["nodes"][:, 2] = 0
+    return Mesh(mesh)
+
+
+def Refined():
+    """A disc that was curved, then refined: Netgen forgets the curves, not the order."""
+    mesh = Mesh(OCCGeometry(Circle((0, 0), 1).Face(), dim=2).GenerateMesh(maxh=0.7)).Curve(3)
+    mesh.Refine()
+    return mesh

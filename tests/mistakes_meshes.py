@@ -1,11 +1,12 @@
 """Mistakes in meshes, as in `mistakes`."""
 
-from badmeshes import Body, Doubled, Lost, Periodic
+from badmeshes import Body, Doubled, Lost, Periodic, Refined, Straightened
 from mistakes import Disc
 
 from ngdgc import Solve
 from ngdgc.facets import Facets
-from ngdgc.meshchecks import CheckSkeleton
+from ngdgc.meshchecks import CheckElements, CheckSkeleton
+from ngdgc.quadrature import BoundaryQuadrature
 
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 MESHES = [
@@ -13,6 +14,10 @@ MESHES = [
      "between (0, 0) and (0.5, 0) is twice in the mesh, in boundary 'bottom' | would count twice in 'bottom' | keep it once"),
     (lambda _: Disc(mesh=Lost("quad")),
      "boundary 'bottom' has an element between (1.5, 0) and (2, 0) | which is no side of an element of the body | remove it"),
+    (lambda _: BoundaryQuadrature.On(Facets(Straightened()), "default", 2),
+     "boundary elements of region 'default' lie up to 0.0194 off | the same points in the middle | make the mesh again"),
+    (lambda _: CheckElements(Refined()),
+     "the mesh has order 3 but straight elements at a curved boundary | refined after it was curved | call mesh.Curve(3)"),
     (lambda _: CheckSkeleton(Facets(Lost("triangle", "axis"))),
      "boundary 'axis' has an element between (1.5, 0) and (2, 0) | need a mesh without it | or take assembly='facet'"),
     (lambda _: Solve(Disc(mesh=Lost("triangle", "axis"))).Mean("axis"),

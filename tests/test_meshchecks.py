@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from badmeshes import Body, Diagonal, Doubled, Lost, Periodic, Side, Turned
+from badmeshes import Body, Diagonal, Doubled, Lost, Periodic, Refined, Side, Straightened, Turned
 from netgen.meshing import MeshPoint, Pnt
-from netgen.occ import Circle, IdentificationType, OCCGeometry
+from netgen.occ import Circle, IdentificationType, OCCGeometry, Rectangle
 from ngsolve import CF, TET, TRIG, ElementId, GridFunction, Integrate, Mesh, VectorH1, specialcf, x
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
@@ -12,7 +12,7 @@ from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, F
 from ngdgc.facets import REFERENCE_VERTICES, Facets, Vertices
 from ngdgc.meshchecks import SIDEVERTICES, CheckBoundary, CheckElements, CheckSides, CheckSkeleton, Lattice
 from ngdgc.meshes import BOXCELLS, CELLS, UnitMesh
-from ngdgc.quadrature import ReferenceNormal
+from ngdgc.quadrature import BoundaryQuadrature, ReferenceNormal
 
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 CUBE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
@@ -70,7 +70,7 @@ def test_two_conditions_on_one_side_are_refused_under_whatever_names(cells):
 def test_boundary_elements_of_no_element_are_no_part_of_the_body(cells, hanging):
     mesh = Lost(cells, "axis", hanging)
     for method in METHODS:
-        for order in (1, 2):
+        for order in (1, 2) if mesh.dim == 2 else (1,):
             solution = Solve(Block(mesh, method, order=order))
             assert abs(solution.normalforce - 5) < 1e-9 and solution.GlobalImbalance() < 1e-9
             assert np.abs(solution.Force("top")[-1] + 5) < 1e-9 > np.abs(solution.Mean("top")[-1] + 0.03)
@@ -190,6 +190,31 @@ def test_coarse_meshes_of_a_disc_are_no_folds(maxh):
         mesh = Mesh(OCCGeometry(Circle((0, 0), 1).Face(), dim=2).GenerateMesh(maxh=maxh)).Curve(order)
         CheckElements(mesh)
         CheckSides(Facets(mesh))
+
+
+def test_a_mesh_refined_after_it_was_curved_is_refused_where_that_matters():
+    mesh = Refined()
+    lost = Integrate(CF(1), mesh)
+    assert abs(lost - np.pi) > 1e-2         # the control: straight edges, whatever the order says
+    with pytest.raises(ProblemError, match=r"call mesh.Curve\(3\) after refinement"):
+        CheckElements(mesh)
+    mesh.Curve(3)
+    CheckElements(mesh)
+    assert abs(Integrate(CF(1), mesh) - np.pi) < 1e-4
+    mesh.Curve(1)
+    CheckElements(mesh)
+    for straight in (Mesh(OCCGeometry(Rectangle(1, 1).Face(), dim=2).GenerateMesh(maxh=0.7)), UnitMesh(2, "triangle")):
+        straight.Curve(3)
+        straight.Refine()
+        CheckElements(straight)
+
+
+def test_boundary_elements_curved_otherwise_than_the_elements_are_refused():
+    facets = Facets(Straightened())
+    with pytest.raises(ProblemError, match="boundary elements of region 'default' lie up to 0.0"):
+        BoundaryQuadrature.On(facets, "default", 2)
+    # The control: their length is that of the polygon, beside the curved body.
+    assert Integrate(CF(1), facets.mesh, definedon=facets.mesh.Boundaries("default")) < 2 * np.pi - 0.05
 
 
 def test_a_deformation_that_folds_is_refused():

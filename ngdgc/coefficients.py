@@ -7,6 +7,7 @@ import numpy as np
 from ngsolve import CF, CoefficientFunction, Parameter
 
 from .exceptions import ProblemError
+from .inside import FromInside, OnBoundary
 
 
 LOADBONUS = 2       # quadrature degrees for loads and prescribed values that are no polynomials of the displacement's order
@@ -49,6 +50,12 @@ def Unfolded(value):
     return CF(value) + Parameter(0) * (CF(1) if CF(value).dim == 1 else CF((1,) * CF(value).dim))
 
 
+def OnFacets(problem, kind, region, mesh):
+    """What a problem prescribes on a region, kind "dirichlet", "roller" or "traction", for integrals ds(skeleton=True)."""
+    value = getattr(problem, kind)[region]
+    return Unfolded(FromInside(value, mesh.Boundaries(region), f"{kind}[{region!r}]"))
+
+
 def RegionName(region, name):
     """A nonempty string that is a regular expression, else ProblemError."""
     try:
@@ -82,23 +89,19 @@ def CheckRange(values, name, *, above=None, least=None):
         raise ProblemError(f"{name} is {values.min():g}; it must be at least {least:g}")
 
 
-def ValuesAt(value, points, name):
-    """Values of a number or scalar CoefficientFunction at mesh points, as a finite array (npoints,)."""
-    if IsNumber(value):
-        return np.full(len(points), float(value))
-    try:
-        values = np.asarray(value(points), dtype=float).reshape(len(points))
-    except Exception as error:
-        raise ProblemError(f"{name} cannot be evaluated on the mesh: {str(error).strip()}; give a number or a "
-                           "CoefficientFunction that has values there") from error
-    CheckRange(values, name)
-    return values
+def ValuesAt(value, points, name, region=None):
+    """Values of a number or scalar CoefficientFunction at mesh points, as a finite array (npoints,).
+
+    region : mesh.Boundaries(...), for points on it; the values there are those inside the body
+    """
+    return np.full(len(points), float(value)) if IsNumber(value) else VectorsAt(value, points, name, region)[:, 0]
 
 
-def VectorsAt(value, points, name):
-    """Values of a vector CoefficientFunction at mesh points, as a finite array (npoints, d)."""
+def VectorsAt(value, points, name, region=None):
+    """Values of a vector CoefficientFunction at mesh points, as a finite array (npoints, d); `region` as for `ValuesAt`."""
+    function = value if region is None else OnBoundary(value, region, name)
     try:
-        values = np.asarray(value(points), dtype=float).reshape(len(points), value.dim)
+        values = np.asarray(function(points), dtype=float).reshape(len(points), value.dim)
     except Exception as error:
         raise ProblemError(f"{name} cannot be evaluated on the mesh: {str(error).strip()}; give a number or a "
                            "CoefficientFunction that has values there") from error

@@ -17,7 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 from ngsolve import GridFunction, InnerProduct, dx, ds
 
-from .coefficients import LOADBONUS, Unfolded
+from .coefficients import LOADBONUS, OnFacets, Unfolded
 from .contact import TraceMatrix
 from .cuts import CutSpace
 from .elasticity import Strain
@@ -57,8 +57,9 @@ def _Given(solution, space):
     """Moments (functions, d) of the tractions f_2 and of the numerical fluxes of rollers."""
     disc, mu = solution.disc, space.TestFunction()
     integrals = [part.Flux(solution.gfu) * mu * part.measure for part in disc.form.parts]
-    integrals += [Unfolded(value) * mu * ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-                  for region, value in disc.problem.traction.items()]
+    integrals += [OnFacets(disc.problem, "traction", region, disc.mesh) * mu
+                  * ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
+                  for region in disc.problem.traction]
     moments = sum((Coefficients(integral) for integral in integrals), np.zeros(space.ndof))
     return moments.reshape(disc.mesh.dim, -1).T
 
@@ -100,9 +101,9 @@ def _Residual(solution, space):
     residual = Coefficients(InnerProduct(solution.stress, Strain(v)) * form.volume)
     if disc.problem.bodyforce is not None:
         residual -= Coefficients(Unfolded(disc.problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
-    for region, value in disc.problem.traction.items():
+    for region in disc.problem.traction:
         measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-        residual -= Coefficients(Unfolded(value) * v * measure)
+        residual -= Coefficients(OnFacets(disc.problem, "traction", region, disc.mesh) * v * measure)
     for part in form.parts:
         residual -= Coefficients(part.Flux(solution.gfu) * v * part.measure)
         residual -= form.theta * Coefficients((part.Jump(solution.gfu) - part.value) * part.Mean(v) * part.measure)

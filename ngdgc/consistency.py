@@ -8,11 +8,12 @@ import numpy as np
 from ngsolve import CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf
 
 from .calls import ByKeyword
-from .coefficients import Unfolded
+from .coefficients import OnFacets, Unfolded
 from .elasticity import Strain
 from .errors import EXTRA
 from .exact import ExactStrain
 from .exceptions import ProblemError
+from .inside import FromInside
 from .lemmas import DualNorm
 from .lifting import Lifting
 from .protocols import Array, Coefficient
@@ -69,8 +70,8 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     residual = Coefficients(InnerProduct(stress, Strain(v)) * dx(bonus_intorder=EXTRA))
     if problem.bodyforce is not None:
         residual -= Coefficients(Unfolded(problem.bodyforce) * v * dx(bonus_intorder=EXTRA))
-    for region, value in problem.traction.items():
-        residual -= Coefficients(Unfolded(value) * v * On(region))
+    for region in problem.traction:
+        residual -= Coefficients(OnFacets(problem, "traction", region, mesh) * v * On(region))
     for foundation in problem.foundation:
         residual -= Coefficients((stress * n) * v * On(foundation.boundary))
     if disc.method.discontinuous and disc.method.form == "lifting":
@@ -111,6 +112,7 @@ def _CheckPrescribed(disc, u):
     differences |= {("roller", region): u * n - value for region, value in problem.roller.items()}
     for (kind, region), difference in differences.items():
         measure = ds(skeleton=True, definedon=mesh.Boundaries(region))
+        difference = FromInside(difference, mesh.Boundaries(region), f"{kind}[{region!r}]")
         square, area = (Coefficients(Unfolded(value) * one * measure).sum() for value in (difference * difference, CF(1)))
         if not np.sqrt(max(square, 0) / area) <= 1e-8 * size:       # data are often typed with fewer digits than round-off
             raise ProblemError(f"displacement differs from {kind}[{region!r}] by {np.sqrt(square / area):.3g} in the mean; "

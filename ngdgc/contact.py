@@ -66,11 +66,11 @@ class ContactBoundary:
         self.parts = []
         for number, foundation in enumerate(problem.foundation):
             here = slice(*np.searchsorted(owner, [number, number + 1]))
-            name = f"foundation {foundation.boundary!r}: "
-            self.gap[here] = ValuesAt(foundation.gap, points[here], name + "gap")
-            compliance = LawAt(foundation.compliance, points[here], name)
+            name, region = f"foundation {foundation.boundary!r}: ", facets.mesh.Boundaries(foundation.boundary)
+            self.gap[here] = ValuesAt(foundation.gap, points[here], name + "gap", region)
+            compliance = LawAt(foundation.compliance, points[here], name, region)
             CheckCompliance(compliance, len(points[here]), name[:-2])
-            friction = foundation.friction and LawAt(foundation.friction, points[here], name)
+            friction = foundation.friction and LawAt(foundation.friction, points[here], name, region)
             if friction is not None:
                 r = np.ones(len(points[here]))
                 CheckFriction(friction, r, compliance.Pressure(r), name[:-2])

@@ -11,11 +11,12 @@ import scipy.sparse as sp
 from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Mesh, Norm, ds, dx
 
 from .calls import ByKeyword
-from .coefficients import LOADBONUS, Unfolded
+from .coefficients import LOADBONUS, OnFacets, Unfolded
 from .contact import ContactBoundary
 from .equations import LinearEquations
 from .exceptions import ProblemError
 from .facets import Csr, Facets, Native, Projected, Threads
+from .inside import OnBoundary
 from .inverses import Inverse, Kind
 from .memory import CheckAssembly
 from .problem import ContactProblem
@@ -205,9 +206,9 @@ class Discretization(LinearEquations):
         loads: dict[tuple[str, str | None], Array] = {}
         if problem.bodyforce is not None:
             loads["bodyforce", None] = Coefficients(Unfolded(problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
-        for region, value in problem.traction.items():
+        for region in problem.traction:
             measure = ds(skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-            loads["traction", region] = Coefficients(Unfolded(value) * v * measure)
+            loads["traction", region] = Coefficients(OnFacets(problem, "traction", region, self.mesh) * v * measure)
         for form in self.addedloads:
             loads["added", None] = loads.get(("added", None), 0) + form.vec.FV().NumPy()
         loads |= {("prescribed", region): load for region, load in self.form.Prescribed().items()}
@@ -234,7 +235,9 @@ class Discretization(LinearEquations):
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
         function = GridFunction(self.space)
         if not self.method.discontinuous and self.problem.dirichlet:
-            function.Set(self.mesh.BoundaryCF(dict(self.problem.dirichlet), default=(0,) * self.mesh.dim),
+            values = {region: OnBoundary(value, self.mesh.Boundaries(region), f"dirichlet[{region!r}]")
+                      for region, value in self.problem.dirichlet.items()}
+            function.Set(self.mesh.BoundaryCF(values, default=(0,) * self.mesh.dim),
                          definedon=self.mesh.Boundaries("|".join(self.problem.dirichlet)))
         return function.vec.FV().NumPy().copy()
 

@@ -13,7 +13,7 @@ Every matrix is built, and every vector computed, from batches of blocks on face
 import numpy as np
 from ngsolve import GridFunction, LinearForm, ds
 
-from .coefficients import LOADBONUS, Unfolded
+from .coefficients import LOADBONUS, OnFacets
 from .parallel import Batched, Map
 
 
@@ -102,8 +102,8 @@ class FacetForm:
         """{region: values prescribed on it, coefficients in F_h}."""
         problem, operators = self.problem, self.operators
         mu, n = operators.traces.TestFunction(), operators.normal
-        values = {region: Unfolded(value) for region, value in problem.dirichlet.items()}
-        values |= {region: Unfolded(value) * n for region, value in problem.roller.items()}
+        values = {region: OnFacets(problem, "dirichlet", region, operators.mesh) for region in problem.dirichlet}
+        values |= {region: OnFacets(problem, "roller", region, operators.mesh) * n for region in problem.roller}
         data = {}
         for region, value in values.items():
             measure = ds(skeleton=True, definedon=operators.mesh.Boundaries(region), bonus_intorder=LOADBONUS)

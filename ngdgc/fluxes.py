@@ -3,7 +3,7 @@
 import numpy as np
 from ngsolve import BND, ElementId, LinearForm, ds
 
-from .coefficients import LOADBONUS, Unfolded
+from .coefficients import LOADBONUS, OnFacets
 from .exceptions import ProblemError
 
 
@@ -35,9 +35,10 @@ def Flux(solution):
     function = form.FluxFunction(solution.gfu)
     values, operators = function.vec.FV().NumPy(), form.operators
     mu = operators.traces.TestFunction()
-    for region, value in disc.problem.traction.items():
+    for region in disc.problem.traction:
         boundary = disc.mesh.Boundaries(region)
-        integral = Unfolded(value) * mu * ds(skeleton=True, definedon=boundary, bonus_intorder=LOADBONUS)
+        measure = ds(skeleton=True, definedon=boundary, bonus_intorder=LOADBONUS)
+        integral = OnFacets(disc.problem, "traction", region, disc.mesh) * mu * measure
         moments = LinearForm(integral).Assemble().vec.FV().NumPy()
         for patch in operators.FacetPatches(disc.facets.On(region), weak=False):
             dofs = operators.TraceDofs(patch.facets)

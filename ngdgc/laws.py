@@ -26,15 +26,18 @@ if TYPE_CHECKING:
     from .hypotheses import LawReport
 
 
-def LawAt(law: Any, points: Any, name: str = "") -> Any:
-    """The law with every CoefficientFunction among its attributes replaced by its values at mesh points, `Watched`."""
+def LawAt(law: Any, points: Any, name: str = "", region: Any = None) -> Any:
+    """The law with every CoefficientFunction among its attributes replaced by its values at mesh points, `Watched`.
+
+    region : mesh.Boundaries(...), for points on it
+    """
     if not Pointwise(law):
         return Watched(law)
     law = copy(law)
     for attribute, value in list(vars(law).items()):
         if isinstance(value, CoefficientFunction):
             # Laws are frozen for their users; this is a new one.
-            object.__setattr__(law, attribute, ValuesAt(value, points, name + attribute))
+            object.__setattr__(law, attribute, ValuesAt(value, points, name + attribute, region))
     if hasattr(law, "CheckData"):
         law.CheckData(name)
     return Watched(law)

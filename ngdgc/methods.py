@@ -242,8 +242,7 @@ class Conforming:
             return SkeletonForm(problem, space, [])
         operators = FacetOperators(problem.material, facets, order, order, rollers.astype(float), rollers)
         rule = Penalty("auto", None, operators)
-        return SkeletonForm(problem, space, [Roller(problem.material, facets, rule, region, value)
-                                             for region, value in problem.roller.items()])
+        return SkeletonForm(problem, space, [Roller(problem, facets, rule, region) for region in problem.roller])
 
 
 def _NeededLifting(operators, form):
@@ -260,10 +259,8 @@ def _NeededLifting(operators, form):
 
 def _Parts(problem, facets, rule):
     """The sets of facets of E0 in symbols, with one penalty for all."""
-    material = problem.material
-    return [Interior(material, facets.mesh, rule),
-            *(Clamped(material, facets, rule, region, value) for region, value in problem.dirichlet.items()),
-            *(Roller(material, facets, rule, region, value) for region, value in problem.roller.items())]
+    return [Interior(problem.material, facets.mesh, rule), *(Clamped(problem, facets, rule, region) for region in problem.dirichlet),
+            *(Roller(problem, facets, rule, region) for region in problem.roller)]
 
 
 METHODS: dict[str, Any] = {

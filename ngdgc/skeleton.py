@@ -10,7 +10,7 @@ of the paper since [v]:q = w(v).(q n) for symmetric q.
 
 from ngsolve import BilinearForm, Grad, GridFunction, InnerProduct, LinearForm, Sym, ds, dx, specialcf
 
-from .coefficients import Unfolded
+from .coefficients import OnFacets
 from .elasticity import Strain
 from .facets import Curved, Threads
 from .meshchecks import CheckSkeleton
@@ -51,14 +51,17 @@ class Interior:
 class Clamped:
     """Boundary facets with all components prescribed."""
 
-    def __init__(self, material, facets, penalty, region, value):
+    kind = "dirichlet"
+
+    def __init__(self, problem, facets, penalty, region):
         CheckSkeleton(facets)
-        self.material, self.penalty, self.n, self.region = material, penalty, specialcf.normal(facets.mesh.dim), region
-        self.measure = ds(skeleton=True, definedon=facets.mesh.Boundaries(region), bonus_intorder=material.bonus)
-        self.value = self._Prescribed(value)
+        mesh, self.material, self.penalty, self.region = facets.mesh, problem.material, penalty, region
+        self.n = specialcf.normal(mesh.dim)
+        self.measure = ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=self.material.bonus)
+        self.value = self._Prescribed(OnFacets(problem, self.kind, region, mesh))
 
     def _Prescribed(self, value):
-        return Unfolded(value)
+        return value
 
     def Jump(self, u):
         return u
@@ -80,8 +83,10 @@ class Clamped:
 class Roller(Clamped):
     """Boundary facets with the normal component prescribed; the traction is normal."""
 
+    kind = "roller"
+
     def _Prescribed(self, value):
-        return Unfolded(value) * self.n
+        return value * self.n
 
     def _Normal(self, vector):
         return (vector * self.n) * self.n

@@ -65,7 +65,8 @@ def CheckData(problem, mesh, facets):
         VectorsAt(problem.bodyforce, volume, "bodyforce")
     for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt)):
         for region, value in getattr(problem, kind).items():
-            at(value, BoundaryQuadrature.On(facets, region, CHECK_ORDER).points, f"{kind}[{region!r}]")
+            points = BoundaryQuadrature.On(facets, region, CHECK_ORDER).points
+            at(value, points, f"{kind}[{region!r}]", mesh.Boundaries(region))
     CheckRollerTractions(problem, facets)
 
 
@@ -76,7 +77,7 @@ def CheckRollerTractions(problem, facets):
         if not np.any(facets.On(region) & rollers):
             continue
         quadrature = BoundaryQuadrature.On(facets, region, CHECK_ORDER)
-        traction = VectorsAt(value, quadrature.points, f"traction[{region!r}]")
+        traction = VectorsAt(value, quadrature.points, f"traction[{region!r}]", facets.mesh.Boundaries(region))
         normal = np.einsum("nd,nd->n", traction, quadrature.normals)
         # Tractions computed from a stress state carry its round-off, whose size is that of the modulus.
         roundoff = 1e-12 * problem.material.ShearAt(quadrature.inside).max()

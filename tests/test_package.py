@@ -20,7 +20,7 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
 LAYERS = [["arguments", "console", "exceptions", "formula", "interfaces", "parallel", "peers", "protocols", "signals",
            "tables"],
           ["calls", "files", "memory", "names", "report", "userlaws"],
-          ["casefiles", "coefficients", "derivatives", "meshes"],
+          ["inside"], ["casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["meshchecks"], ["quadrature"], ["storage"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],

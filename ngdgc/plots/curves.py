@@ -3,9 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from ngsolve import BND, QUAD, SEGM, TRIG, VOL, ElementId, IntegrationRule, specialcf
+from ngsolve import BND, QUAD, SEGM, TRIG, VOL, ElementId, IntegrationRule, Region, specialcf
 
 from ..facets import REFERENCE_VERTICES, Coordinates
+from ..inside import OnBoundary
 
 GAP = 1.1   # pieces of Gamma_C follow each other in a plot at this multiple of their length
 
@@ -15,11 +16,13 @@ class Curve:
     """A connected piece of the outer boundary, passed with the body on its left.
 
     points : NGSolve mesh points on it;  coordinates, normals : (n, 2), outward;  s : arc length (n,) [length]
+    region : NGSolve's Region that it is a piece of
     """
 
     points: np.ndarray
     coordinates: np.ndarray
     normals: np.ndarray
+    region: Region
 
     @property
     def s(self):
@@ -43,9 +46,10 @@ def Curves(disc, region):
     mesh, facets = disc.mesh, disc.facets
     number = Intervals(disc) + 1
     rule = IntegrationRule(points=[(t,) for t in np.linspace(0, 1, number)], weights=[1] * number)
-    points = mesh.MapToAllElements({SEGM: rule}, mesh.Boundaries(region)).reshape(-1, number)
+    boundary = mesh.Boundaries(region)
+    points = mesh.MapToAllElements({SEGM: rule}, boundary).reshape(-1, number)
     coordinates = np.asarray(Coordinates(2)(points.ravel())).reshape(-1, number, 2)
-    normals = np.asarray(specialcf.normal(2)(points.ravel())).reshape(-1, number, 2)
+    normals = np.asarray(OnBoundary(specialcf.normal(2), boundary, "normal")(points.ravel())).reshape(-1, number, 2)
     vertices = mesh.ngmesh.Coordinates()
     following = {}
     for edge in zip(points, coordinates, normals):
@@ -58,10 +62,8 @@ def Curves(disc, region):
         inner = vertices[[vertex.nr for vertex in neighbour.vertices]].mean(axis=0)[:2] - edge[1].mean(axis=0)
         if inner @ Left(edge[1][-1] - edge[1][0]) < 0:
             ends, edge = ends[::-1], [array[::-1] for array in edge]
-        # NGSolve's normal on a boundary element follows the element's own orientation, at holes into the body.
-        outward = np.sign(-np.sum(edge[2] * Left(edge[1][-1] - edge[1][0])))
-        following.setdefault(ends[0], []).append((ends[1], (edge[0], edge[1], outward * edge[2])))
-    return [Curve(*map(np.concatenate, zip(*edges))) for edges in _Chains(following)]
+        following.setdefault(ends[0], []).append((ends[1], edge))
+    return [Curve(*map(np.concatenate, zip(*edges)), boundary) for edges in _Chains(following)]
 
 
 def Along(disc, region):

@@ -36,8 +36,9 @@ def DeformedFigure(solution, *, scale=1):
             reach = [np.max(sign * (moved - curve.coordinates[end]) @ Left(curve.normals[end]), where=flush[:, end], initial=0)
                      for end, sign in ((0, -1), (-1, 1))]
             margin = 0.15 * thickness
-            DrawBlock(axes, curve, scale * ValuesAt(foundation.gap, curve.points, "gap"), thickness,
-                       [length + margin if length > margin and not curve.closed else 0 for length in reach])
+            gap = ValuesAt(foundation.gap, curve.points, "gap", curve.region)
+            DrawBlock(axes, curve, scale * gap, thickness, [
+                length + margin if length > margin and not curve.closed else 0 for length in reach])
     u = DrawElements(axes, solution, scale)
     magnified = "displacement x 1" if scale == 1 else f"displacement and gap x {scale:g}"
     axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\n{magnified}, "

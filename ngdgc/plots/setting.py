@@ -33,7 +33,7 @@ def SettingFigure(disc):
     _DrawMaterials(axes, disc)
     for foundation in problem.foundation:
         for curve in Curves(disc, foundation.boundary):
-            DrawBlock(axes, curve, ValuesAt(foundation.gap, curve.points, "gap"), Thickness(disc, curve))
+            DrawBlock(axes, curve, ValuesAt(foundation.gap, curve.points, "gap", curve.region), Thickness(disc, curve))
     roles = {name: (kind, region) for kind, region in problem.Regions()
              for name, found in zip(mesh.GetBoundaries(), mesh.Boundaries(region).Mask()) if found}
     symbols = _Symbols(axes, disc)
@@ -69,7 +69,7 @@ def _Span(symbol, values):
 
 
 def _Values(at, value, curves, name):
-    return np.concatenate([at(value, curve.points, name) for curve in curves])
+    return np.concatenate([at(value, curve.points, name, curve.region) for curve in curves])
 
 
 def _DrawMaterials(axes, disc):
@@ -95,7 +95,7 @@ class _Symbols:
     def __init__(self, axes, disc):
         self.axes, self.disc, self.problem = axes, disc, disc.problem
         self.size = np.ptp(Outline(disc), axis=0).max()
-        largest = max((np.linalg.norm(VectorsAt(value, curve.points, "traction"), axis=1).max()
+        largest = max((np.linalg.norm(VectorsAt(value, curve.points, "traction", curve.region), axis=1).max()
                        for region, value in self.problem.traction.items() for curve in Curves(disc, region)), default=0)
         self.arrow = ARROW * self.size / (largest or 1)     # length of arrow per traction
 
@@ -133,8 +133,8 @@ class _Symbols:
         self._Line(curves, BLUE, 2)
         clear = 0.015 * self.size
         for curve in curves:
-            x, n, f = curve.Spaced(ARROW * self.size, VectorsAt(self.problem.traction[region], curve.points, "traction"))
-            f = self.arrow * f
+            traction = VectorsAt(self.problem.traction[region], curve.points, "traction", curve.region)
+            x, n, f = curve.Spaced(ARROW * self.size, self.arrow * traction)
             inward = np.sum(f * n, axis=1) < 0
             self._Arrows(x + 0.015 * self.size * n - np.where(inward[:, None], f, 0), f, BLUE)
             clear = max(clear, np.abs(np.sum(f * n, axis=1)).max() + 0.015 * self.size)
@@ -144,7 +144,7 @@ class _Symbols:
         self._Line(curves, "black", 3)
         foundation = next(foundation for foundation in self.problem.foundation if foundation.boundary == region)
         curve = max(curves, key=lambda curve: curve.s[-1])
-        x, n, g = curve.Spaced(curve.s[-1] / 7, ValuesAt(foundation.gap, curve.points, "gap")[:, None])
+        x, n, g = curve.Spaced(curve.s[-1] / 7, ValuesAt(foundation.gap, curve.points, "gap", curve.region)[:, None])
         if g[1, 0] > 0.035 * self.size:
             middle = x[1] + g[1, 0] / 2 * n[1]
             self.axes.annotate("", x[1], x[1] + g[1, 0] * n[1], arrowprops={

@@ -1,9 +1,9 @@
 """What is given on a boundary, as the elements inside see it.
 
-At points of boundary elements NGSolve knows no function of an L2 space, no material and no normal derivative: they count as 0, or
-raise; and its normal follows the orientation of the boundary element, into the body at holes and on mirrored meshes.  The element
-inside knows all of that, and its normal is outward.  What lives on the boundary alone, a BoundaryCF or a function of a space on
-surfaces, would count as 0 there; it is carried to functions on facets, which both know.
+At points of boundary elements NGSolve knows no function of an L2 space, no material and no normal derivative: they count as 0,
+or raise; and its normal follows the orientation of the boundary element, into the body at holes and on mirrored meshes.  The
+element inside knows all of that, and its normal is outward.  What lives on the boundary alone, a BoundaryCF or a function of a
+space on surfaces, would count as 0 there; it is carried to functions on facets, which both know.
 """
 
 from functools import cached_property
@@ -78,8 +78,8 @@ class _Translation:
         self.everywhere, points = False, self._Points(1)
         inside, above = (_Values(function, points) for function in (BoundaryFromVolumeCF(node), node))
         if inside is not None and not np.any(inside) and above is not None and np.any(np.abs(above) > TINY):
-            raise ProblemError(f"{self.name} contains a function with values on boundary elements only; give one that has values "
-                               "in the elements too")
+            raise ProblemError(f"{self.name} contains a function with values on boundary elements only; give one that has "
+                               "values in the elements too")
 
     def _Replaced(self, node, functions):
         changed = {child: new for child in functions if (new := self.Of(child)) is not child}
@@ -88,8 +88,8 @@ class _Translation:
         try:
             return node.Replace(changed)
         except Exception as error:
-            raise ProblemError(f"{self.name} combines functions of the boundary in a way that cannot be taken apart "
-                               f"({str(error).strip()}); write it with sums, products and IfPos, and without Compile") from error
+            raise ProblemError(f"{self.name} combines functions of the boundary in a way that cannot be taken apart; write it "
+                               "with sums, products and IfPos, and without Compile") from error
 
     @cached_property
     def _elements(self):
@@ -122,8 +122,8 @@ class _Translation:
         if all(_Defined(space, ElementId(VOL, inside)) for _, inside in self._elements) and not self._InsideError(node):
             return node
         if not all(_Defined(space, ElementId(BND, element.nr)) for element, _ in self._elements):
-            raise ProblemError(f"{self.name} contains a GridFunction that is not defined on all of the boundary it is given on; "
-                               "give one of a space on all elements there")
+            raise ProblemError(f"{self.name} contains a GridFunction that is not defined on all of the boundary it is given "
+                               "on; give one of a space on all elements there")
         carried = self._Carried(node, space.globalorder)
         if node is not function or carried is None:
             raise ProblemError(f"{self.name} contains a GridFunction of {type(space).__name__}, or its derivative, that has no "
@@ -146,7 +146,8 @@ class _Translation:
         """A function that is given by materials, or by boundaries."""
         self.everywhere = False
         bymaterial = "defined on BND" not in (self._InsideError(node) or "")
-        numbers = {self.mesh[ElementId(VOL, inside)].index if bymaterial else element.index for element, inside in self._elements}
+        numbers = {self.mesh[ElementId(VOL, inside)].index if bymaterial else element.index
+                   for element, inside in self._elements}
         missing = [number for number in numbers if number >= len(children) or children[number] is None]
         if missing:
             names = self.mesh.GetMaterials() if bymaterial else self.mesh.GetBoundaries()

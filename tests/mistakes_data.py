@@ -3,13 +3,18 @@
 import numpy as np
 from conftest import Example
 from mistakes import Disc, On
-from ngsolve import CF, H1, VectorH1, sqrt, x, y
+from ngsolve import CF, H1, CacheCF, Grad, GridFunction, SurfaceL2, VectorH1, sqrt, x, y
 
 from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, CoulombFriction, Discretization, HookeMaterial,
                    NormalCompliance, TrescaFriction)
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
 NAN = sqrt(-1 - x)
+SQUARE = RectangleMesh(2)
+SURFACE = GridFunction(SurfaceL2(SQUARE, order=1))
+SURFACE.Set(0.01, definedon=SQUARE.Boundaries(".*"))
+SKIN = GridFunction(H1(SQUARE, definedon=SQUARE.Boundaries(".*")))
+NOWHERE = GridFunction(H1(SQUARE, definedon=SQUARE.Materials("elsewhere")))
 DATA = [
     # Numbers, vectors and regions.
     (lambda _: NormalCompliance(float("inf")), "stiffness is inf | finite number or a CoefficientFunction | give"),
@@ -27,6 +32,17 @@ DATA = [
     (lambda _: Disc(bodyforce=VectorH1(RectangleMesh(1)).TrialFunction()),
      "bodyforce cannot be evaluated | that has values there | give a number or a CoefficientFunction"),
     (lambda _: Disc(foundation=On(gap=NAN)), "gap is not finite | division by zero or a root of a negative number | look for"),
+    # Boundary data that have no values there, or none that the element inside could see.
+    (lambda _: Disc(mesh=SQUARE, foundation=On(gap=SQUARE.BoundaryCF({"left": 0.01}))),
+     "gap has no value on boundary 'bottom' | or a default | give one"),
+    (lambda _: Disc(mesh=SQUARE, foundation=On(gap=NOWHERE)),
+     "gap contains a GridFunction | not defined on all of the boundary | give one of a space on all elements"),
+    (lambda _: Disc(mesh=SQUARE, foundation=On(gap=Grad(SKIN)[0])),
+     "gap contains a GridFunction of H1, or its derivative | no values in the elements | give one of a space on elements"),
+    (lambda _: Disc(mesh=SQUARE, foundation=On(gap=CacheCF(SURFACE))),
+     "gap contains a function with values on boundary elements only | values in the elements | give one"),
+    (lambda _: Disc(mesh=SQUARE, foundation=On(gap=2 * (SURFACE * x).Compile())),
+     "gap combines functions of the boundary | sums, products and IfPos | write it with"),
     (lambda _: HookeMaterial(E=0, nu=0.3), "E is 0 | greater than 0 | must be"),
     (lambda _: CoulombFriction(-0.1), "coefficient is -0.1 | at least 0 | must be"),
     # Materials.

@@ -259,7 +259,8 @@ def _NeededLifting(operators, form):
 
 def _Parts(problem, facets, rule):
     """The sets of facets of E0 in symbols, with one penalty for all."""
-    return [Interior(problem.material, facets.mesh, rule), *(Clamped(problem, facets, rule, region) for region in problem.dirichlet),
+    return [Interior(problem.material, facets.mesh, rule),
+            *(Clamped(problem, facets, rule, region) for region in problem.dirichlet),
             *(Roller(problem, facets, rule, region) for region in problem.roller)]
 
 

@@ -12,11 +12,11 @@ from .exceptions import ProblemError
 from .fingerprint import NAMES, Differs, Fingerprint
 from .graph import Distance
 from .methods import METHODS
+from .resultants import BALANCE
 
 KINDS = {"method": str, "arguments": dict, "order": int, "assembly": str, "inverse": str, "added": bool, "converged": bool,
          "solver": str, "summary": dict}
 LAW = 1e-8          # difference of a law residual and the one that was recorded, besides a thousandth of it
-BALANCE = 1e-6      # |A u - f + T' W t| of a converged solution, relative to its terms
 
 
 def Keep(solution, folder):
@@ -31,7 +31,7 @@ def Keep(solution, folder):
               **dict(Fingerprint(solution, penetration, slip))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
-             "inverse": disc.wanted, "added": bool(disc.addedmatrices or disc.addedloads),
+             "inverse": disc.wanted, "added": bool(disc.added),
              "converged": bool(solution.converged), "solver": str(solution.solver), "summary": solution.ToJSON()}
     storage.Write(folder, disc.mesh, arrays, words)
 
@@ -69,9 +69,7 @@ def Compare(folder, solution, arrays):
     if not abs(law - recorded) <= 1e-3 * recorded + LAW:
         raise ProblemError(f"the solution in {folder} does not obey the contact law: its distance is {law:.1e}, recorded is "
                            f"{recorded:.1e}; solve again, and save what Solve returns")
-    terms = disc.Multiply(solution.vector), disc.load, disc.contact.Load(solution.traction)
-    excess = (terms[0] - terms[1] + terms[2])[np.array(disc.space.FreeDofs(), dtype=bool)]
-    balance = np.abs(excess).max(initial=0) / (max(np.abs(term).max() for term in terms) or 1)
+    balance = solution.EquilibriumResidual()
     if solution.converged and not balance <= BALANCE:
         raise ProblemError(f"the solution in {folder} is not in balance: A u - f + T' W t is {balance:.1e} of its terms; solve "
                            "again, and save what Solve returns")

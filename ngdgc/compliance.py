@@ -94,27 +94,21 @@ class Compliance:
         return self.disc.ApplyInverse(self._inverse, load)
 
     def _Factorise(self):
-        """The inverse of A + T' W D T; its entries are added to those of A for the time of a factorisation."""
+        """The inverse of A + T' W D T."""
         disc, contact = self.disc, self.contact
         n, dim = contact.normals.shape
         weighted = contact.weights[:, None, None] * self.stiffness
         diagonal = sp.bsr_matrix((weighted, np.arange(n), np.arange(n + 1)), shape=(n * dim, n * dim)).tocsr()
         added = (contact.trace.T @ diagonal @ contact.trace).tocsr()
         with Threads(disc.mesh):
-            values, positions = _Positions(disc.matrix, added)
+            positions = _Positions(disc.matrix, added)
             if positions is None:
                 return disc.Factorise(Native(Csr(disc.matrix) + added))
-            if disc.inversekind == "iterative":     # which goes on using its matrix
-                matrix = disc.matrix.CreateMatrix()
-                matrix.AsVector().data = disc.matrix.AsVector()
-                matrix.AsVector().FV().NumPy()[positions] += added.data
-                return disc.Factorise(matrix)
-            before = values[positions].copy()
-            values[positions] += added.data
-            try:
-                return disc.Factorise(disc.matrix)
-            finally:
-                values[positions] = before
+            # In a matrix of its own: another thread, or an inverse that is an iteration, goes on using that of the body.
+            matrix = disc.matrix.CreateMatrix()
+            matrix.AsVector().data = disc.matrix.AsVector()
+            matrix.AsVector().FV().NumPy()[positions] += added.data
+            return disc.Factorise(matrix)
 
 
 def Apply(matrices, vectors):
@@ -123,14 +117,14 @@ def Apply(matrices, vectors):
 
 
 def _Positions(matrix, added):
-    """(values, positions): the entries of an NGSolve matrix, and where among them those of a CSR matrix are, or None."""
-    values, columns, starts = (np.asarray(part) for part in matrix.CSR())
+    """Where among the entries of an NGSolve matrix those of a CSR matrix are, or None."""
+    _, columns, starts = (np.asarray(part) for part in matrix.CSR())
     positions = np.empty(added.nnz, dtype=np.int64)
     for row in np.flatnonzero(np.diff(added.indptr)):
         here, first = slice(*added.indptr[row:row + 2]), starts[row]
         own = columns[first:starts[row + 1]]
         found = np.searchsorted(own, added.indices[here])
         if not np.array_equal(own[np.minimum(found, len(own) - 1)], added.indices[here]):
-            return values, None
+            return None
         positions[here] = first + found
-    return values, positions
+    return positions

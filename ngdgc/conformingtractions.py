@@ -123,7 +123,7 @@ def AddedForce(solution):
     """Coefficients (ndof,) of the forces that added forms exert on the body."""
     disc = solution.disc
     force = disc.loads.get(("added", None), np.zeros(disc.space.ndof))
-    return force - disc.addedmatrix @ solution.vector if disc.addedmatrices else force
+    return force if disc.added.matrix is None else force - disc.added.matrix @ solution.vector
 
 
 def _Contact(solution):

@@ -7,9 +7,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import scipy.sparse as sp
-from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Mesh, Norm, ds, dx
+from ngsolve import CF, GridFunction, Mesh, ds, dx
 
+from .added import AddedForms
 from .calls import ByKeyword
 from .coefficients import LOADBONUS, OnFacets, Unfolded
 from .contact import ContactBoundary
@@ -22,14 +22,19 @@ from .memory import CheckAssembly
 from .problem import ContactProblem
 from .protocols import Array, Method
 from .quadrature import ContactRules
+from .restraints import Restraints
 from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
-from .validation import CheckMesh, CheckProblem, FreeMotion, Springs, Supports
+from .state import AsRead, State
+from .validation import CheckData, CheckMesh, CheckRegions
 
 if TYPE_CHECKING:
-    from .solution import ContactSolution, Step
+    from .history import Step
+    from .solution import ContactSolution
 
-SOFT = 1e-3     # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
+# What is computed when it is first asked for: from all data, and from material and added forms alone.
+OFDATA = "restraints", "loads", "resultant", "prescribed"
+OFMATRIX = "restraints", "form", "facetform", "matrix", "inverse", "inversekind"
 
 
 @ByKeyword
@@ -70,14 +75,37 @@ class Discretization(LinearEquations):
         CheckAssembly(mesh.ne, mesh.dim, int(order), discontinuous=method.discontinuous)
         self.method: Any = method
         self.problem, self.mesh, self.order, self.assembly = problem, mesh, int(order), assembly
+        self.wanted = inverse
         self.facets = Facets(mesh)
-        CheckProblem(problem, mesh, self.facets)
+        CheckRegions(problem, mesh, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
-        scalar = method.ScalarSpace(mesh, self.order)
-        self.contact = ContactBoundary(problem, self.facets, self.space, scalar, ContactRules(method, mesh.dim, self.order))
-        self._supports = Supports(problem, self.facets, self.contact)
-        self.wanted, self._curved = inverse, mesh.GetCurveOrder()
-        self.addedmatrices, self.addedloads = list[Any](), list[Any]()
+        self.added = AddedForms(self.space)
+        self._Read()
+
+    def _Read(self):
+        """Evaluate the data as they are now."""
+        self.state = State(self.problem, self.mesh)
+        CheckData(self.problem, self.mesh, self.facets)
+        scalar, rules = self.method.ScalarSpace(self.mesh, self.order), ContactRules(self.method, self.mesh.dim, self.order)
+        self.contact = ContactBoundary(self.problem, self.facets, self.space, scalar, rules)
+
+    def Current(self) -> Discretization:
+        """The Discretization with the values that Parameters have now: this one if they are what they were, else a copy.
+
+        Matrix and inverse go with the copy if no Parameter in the material or in an added form has changed.
+        """
+        self.state.CheckFixed()
+        changed, added = self.state.Parameters(), self.added.Current()
+        if not changed and added is self.added:
+            return self
+        current = object.__new__(type(self))
+        current.__dict__.update(self.__dict__)
+        same = added is self.added and not any(name.startswith("material") for name in changed)
+        for name in OFDATA if same else OFDATA + OFMATRIX:
+            current.__dict__.pop(name, None)
+        current.added = added
+        current._Read()
+        return current
 
     def __repr__(self):
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "
@@ -88,13 +116,13 @@ class Discretization(LinearEquations):
                            "one, Discretization(problem, method, mesh, order=1): problems, methods and solvers can be pickled")
 
     @cached_property
+    @AsRead
     def form(self) -> Any:
         """B_h of the method, before assembly."""
-        if self.mesh.ne != self.facets.incidence.shape[1] or self.mesh.GetCurveOrder() != self._curved:
-            raise ProblemError("the mesh was refined or curved after the Discretization was made; make a new one")
         return self.method.Form(self.problem, self.facets, self.space, self.order, self.assembly)
 
     @cached_property
+    @AsRead
     def facetform(self) -> Any:
         """B_h of a discontinuous method from facet operators, whichever route assembles."""
         return self.form if self.assembly == "facet" else self.method.Form(self.problem, self.facets, self.space, self.order,
@@ -103,8 +131,10 @@ class Discretization(LinearEquations):
     def Add(self, form: Any) -> Discretization:
         """Add a BilinearForm or a LinearForm on `space` to B_h or to f, before anything is solved; returns the Discretization.
 
-        The sum must stay coercive, which an eigenvalue computation checks.  Forces of added forms appear as "added" in the
-        balance.  Raises ProblemError for another kind of object, another space, or if the matrix is there already.
+        What can be added are sums of integrals with dx, dx(skeleton=True), and on boundaries ds(skeleton=True, definedon=...).
+        The sum must stay coercive, which an eigenvalue computation checks.  Springs hold the body where nothing else does.
+        Forces of added forms appear as "added" in the balance.  Raises ProblemError for another kind of object, integral or
+        space, or if the matrix is there already.
 
         >>> from ngsolve import BilinearForm, CF, dx
         >>> from ngdgc import *
@@ -116,90 +146,56 @@ class Discretization(LinearEquations):
         >>> disc.Add(BilinearForm(3 * u * v * dx)).matrix.height
         192
         """
-        if not isinstance(form, (BilinearForm, LinearForm)):
-            raise ProblemError(f"form is {form!r}; give an NGSolve BilinearForm or LinearForm on disc.space")
-        if form.space is not self.space:
-            raise ProblemError("form lives on another space; make it on disc.space")
         if {"matrix", "loads", "inverse"} & set(self.__dict__):
             raise ProblemError("the matrix or the load is there already; add forms right after the Discretization is made")
-        with Threads(self.mesh):
-            form.Assemble()
-        if isinstance(form, BilinearForm):
-            self._CheckAdded(form)
-        values = form.mat.AsVector() if isinstance(form, BilinearForm) else form.vec
-        if not np.all(np.isfinite(values.FV().NumPy())):
-            raise ProblemError("the added form is not finite; look for a division by zero or a root of a negative number")
-        (self.addedmatrices if isinstance(form, BilinearForm) else self.addedloads).append(form)
-        for name in ("addedmatrix", "unresisted"):
+        self.state.CheckFixed()
+        self.added.Add(form)
+        for name in OFMATRIX:
             self.__dict__.pop(name, None)
         return self
 
-    def _CheckAdded(self, form):
-        """Raise ProblemError unless the BilinearForm is a sparse matrix on the space, and linear."""
-        if form.condense or not hasattr(form.mat, "CSR") or form.mat.shape != (self.space.ndof, self.space.ndof):
-            raise ProblemError("form is no sparse square matrix; make it BilinearForm(disc.space), without condense, "
-                               "nonassemble, diagonal or another test space")
-        vector, once, twice = (form.mat.CreateColVector() for _ in range(3))
-        vector.FV().NumPy()[:] = np.random.default_rng(1).standard_normal(self.space.ndof)
-        with Threads(self.mesh):
-            form.Apply(vector, once)
-            vector.data = 2 * vector
-            form.Apply(vector, twice)
-        if Norm(twice - 2 * once) > 1e-9 * Norm(twice):
-            raise ProblemError("form is not linear in the trial function; only bilinear forms can be added")
-
     @cached_property
+    @AsRead
     def matrix(self) -> Any:
         """NGSolve's matrix A of B_h, checked for coercivity."""
+        self.restraints.Check()
         with Threads(self.mesh):
             matrix = self.form.Matrix()
-            if self.addedmatrices:
-                matrix = Native(Csr(matrix) + self.addedmatrix)
+            if self.added.matrix is not None:
+                matrix = Native(Csr(matrix) + self.added.matrix)
             if not np.all(np.isfinite(matrix.AsVector().FV().NumPy())):
                 raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
                                    "division by zero or a root of a negative number")
-            if self.addedmatrices:
-                CheckSum(self.form, matrix, self.space.FreeDofs(), self._held)
+            if self.added.matrix is not None:
+                CheckSum(self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
             else:
-                CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs(), self._held)
+                CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
         return matrix
+
+    @cached_property
+    def restraints(self) -> Restraints:
+        """What holds the body."""
+        return Restraints(self.problem, self.facets, self.contact, self.space, self.added.matrix)
 
     @property
     def loose(self) -> str | None:
         """Words for the rigid motions that neither dirichlet nor roller resist, or None."""
-        return FreeMotion(self.facets, self._supports)
-
-    @cached_property
-    def unresisted(self) -> str | None:
-        """Words for the rigid motions that added forms do not resist either, so that only contact does, or None."""
-        if not self.loose or not self.addedmatrices:
-            return self.loose
-        size = np.trace(self._supports, axis1=1, axis2=2)[:, None, None]
-        springs = Springs(self.facets, self.space, self.addedmatrix)
-        return FreeMotion(self.facets, self._supports / np.where(size > 0, size, 1) + springs)
+        return self.restraints.loose
 
     @property
-    def _held(self):
-        """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite where dirichlet and roller do not, or None."""
-        if not self.loose:
-            return None
-        contact = self.contact
-        weights = np.repeat(SOFT / contact.flexibility * contact.weights, contact.dim)
-        return (contact.trace.T @ sp.diags(weights) @ contact.trace).tocsr()
-
-    @cached_property
-    def addedmatrix(self) -> Any:
-        """The sum of the added bilinear forms as scipy CSR."""
-        return sum(Csr(form.mat) for form in self.addedmatrices)
+    def unresisted(self) -> str | None:
+        """Words for the rigid motions that added forms do not resist either, so that only contact does, or None."""
+        return self.restraints.unresisted
 
     @property
     def symmetric(self) -> bool:
         """True if A is symmetric, up to the round-off of assembly."""
-        if not self.addedmatrices or not self.method.symmetric:
+        if self.added.matrix is None or not self.method.symmetric:
             return self.method.symmetric
-        return abs(self.addedmatrix - self.addedmatrix.T).max() <= 1e-12 * abs(self.addedmatrix).max()
+        return abs(self.added.matrix - self.added.matrix.T).max() <= 1e-12 * abs(self.added.matrix).max()
 
     @cached_property
+    @AsRead
     def loads(self) -> dict[tuple[str, str | None], Array]:
         """Coefficients of the loads, {(kind, region): (ndof,)}: body force, tractions, weakly prescribed displacements."""
         v, problem = self.space.TestFunction(), self.problem
@@ -209,8 +205,8 @@ class Discretization(LinearEquations):
         for region in problem.traction:
             measure = ds(skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
             loads["traction", region] = Coefficients(OnFacets(problem, "traction", region, self.mesh) * v * measure)
-        for form in self.addedloads:
-            loads["added", None] = loads.get(("added", None), 0) + form.vec.FV().NumPy()
+        if self.added.load is not None:
+            loads["added", None] = self.added.load
         loads |= {("prescribed", region): load for region, load in self.form.Prescribed().items()}
         for (kind, region), load in loads.items():
             if not np.all(np.isfinite(load)):
@@ -231,6 +227,7 @@ class Discretization(LinearEquations):
     shift = 0.0     # displacement of Gamma_C that is not in the space, as `subspace.Subspace` has one
 
     @cached_property
+    @AsRead
     def prescribed(self) -> Array:
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
         function = GridFunction(self.space)
@@ -244,6 +241,7 @@ class Discretization(LinearEquations):
     @cached_property
     def inverse(self) -> Any:
         """A^-1 on the free dofs; ProblemError for a body that only its foundation holds, whose A is singular."""
+        self.restraints.Check()
         if self.unresisted:
             raise ProblemError(f"the body is held by its foundation alone: only contact resists {self.unresisted}.  The "
                                "elastic matrix is singular and this iteration has no first step; take Solve(disc) or "

@@ -2,6 +2,7 @@
 
 import time
 from abc import ABC, abstractmethod
+from threading import RLock
 from typing import Any
 
 from .facets import Threads
@@ -17,6 +18,7 @@ class LinearEquations(ABC):
     ----------
     solves : how often an inverse was applied;  factorisation : seconds that factorisations, or preconditioners, took
     cycles : steps of conjugate gradients in `Iterate`
+    lock : held while an inverse is made or applied, and by a solver for all its run: threads wait for each other
     """
 
     mesh: Any
@@ -24,6 +26,7 @@ class LinearEquations(ABC):
 
     def __init__(self) -> None:
         self.solves, self.factorisation, self.cycles = 0, 0.0, 0
+        self.lock = RLock()
 
     @abstractmethod
     def Inverse(self, matrix: Any) -> Any:
@@ -31,10 +34,10 @@ class LinearEquations(ABC):
 
     def Factorise(self, matrix: Any) -> Any:
         """The inverse of a matrix on the free dofs; symmetric if A is."""
-        start = time.perf_counter()
-        with Threads(self.mesh):
+        with self.lock, Threads(self.mesh):
+            start = time.perf_counter()
             inverse = self.Inverse(matrix)
-        self.factorisation += time.perf_counter() - start
+            self.factorisation += time.perf_counter() - start
         return inverse
 
     def Multiply(self, vector: Array) -> Array:
@@ -43,15 +46,17 @@ class LinearEquations(ABC):
 
     def ApplyInverse(self, inverse: Any, load: Array) -> Array:
         """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`."""
-        self.solves += 1
-        return self._Apply(inverse, load)
+        with self.lock:
+            self.solves += 1
+            return self._Apply(inverse, load)
 
     def Iterate(self, inverse: Any, load: Array, *, tol: float, start: Array) -> Array:
         """The same from a start (ndof,) and to a tolerance, by an `iterative.IterativeInverse`."""
-        before = inverse.iterations
-        vector = inverse.Solve(load, tol=tol, start=start)
-        self.solves, self.cycles = self.solves + 1, self.cycles + inverse.iterations - before
-        return vector
+        with self.lock:
+            before = inverse.iterations
+            vector = inverse.Solve(load, tol=tol, start=start)
+            self.solves, self.cycles = self.solves + 1, self.cycles + inverse.iterations - before
+            return vector
 
     def _Apply(self, operator, vector):
         source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()

@@ -122,10 +122,9 @@ def _Products(Multiply, ndof):
 
 def _Added(disc):
     """A of the added bilinear forms applied to a vector, and f of the linear ones, two tables (2, ndof, 1), or none."""
-    if not disc.addedmatrices and not disc.addedloads:
+    if not disc.added:
         return np.zeros((0, 1, 1))
     ndof = disc.space.ndof
     vector = np.random.default_rng(2).standard_normal(ndof)
-    applied = disc.addedmatrix @ vector if disc.addedmatrices else np.zeros(ndof)
-    load = sum((form.vec.FV().NumPy() for form in disc.addedloads), np.zeros(ndof))
-    return np.array([applied, load])[..., None]
+    applied = np.zeros(ndof) if disc.added.matrix is None else disc.added.matrix @ vector
+    return np.array([applied, np.zeros(ndof) if disc.added.load is None else disc.added.load])[..., None]

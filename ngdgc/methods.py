@@ -97,7 +97,11 @@ class DiscontinuousGalerkin:
         return self.theta == 1
 
     def Space(self, mesh: Mesh, order: int, clamped: str) -> Any:
-        return VectorL2(mesh, order=order, dgjumps=True)
+        space = VectorL2(mesh, order=order, dgjumps=True)
+        # Functions of L2 have no values on boundary elements; NGSolve, asked to integrate there, may end the process.
+        space.SetDefinedOn(~mesh.Boundaries(".*"))
+        space.FinalizeUpdate()
+        return space
 
     def ScalarSpace(self, mesh: Mesh, order: int) -> Any:
         return L2(mesh, order=order)

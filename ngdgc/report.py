@@ -26,6 +26,7 @@ SCHEMA = {
     "slip": "range of |u_t| [length]",
     "resultants": "of supports, loads and foundations: kind, region, force (d) [stress length^(d-1)], moment about the origin "
                   "[stress length^d], and integrated_stress (force, moment) by sigma n or null",
+    "equilibrium_residual": "|A u - f + T' W t| relative to its terms [1]",
     "global_imbalance": "sum of forces and moments, relative",
     "element_imbalance": "the largest of an element, relative; discontinuous methods only",
 }
@@ -70,6 +71,7 @@ def Summary(solution):
              "moment": resultant.moment.tolist(),
              "integrated_stress": resultant.integrated and [part.tolist() for part in resultant.integrated]}
             for resultant in solution.Resultants()],
+        "equilibrium_residual": solution.EquilibriumResidual(),
         "global_imbalance": solution.GlobalImbalance(),
     }
     if disc.method.discontinuous:
@@ -148,7 +150,7 @@ def _Forces(numbers):
         if resultant["integrated_stress"]:
             rows.append(_Row("  integrated sigma n", np.concatenate(resultant["integrated_stress"])))
     rows.append(_Row("sum", total))
-    balance = f"Balance: whole body {numbers['global_imbalance']:.1e}"
+    balance = f"Balance: whole body {numbers['global_imbalance']:.1e}, equations {numbers['equilibrium_residual']:.1e}"
     if "element_imbalance" in numbers:
         balance += f", worst element {numbers['element_imbalance']:.1e} (relative)"
     return [*rows, balance]

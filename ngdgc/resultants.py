@@ -7,12 +7,17 @@ element, from its numerical fluxes; H1 globally, from tractions that its residua
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
 from .calls import ByKeyword
 from .conformingtractions import AddedForce
 from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
 from .skeleton import Coefficients
+
+
+NEGLIGIBLE = 1e-7   # part of |diag(A) u| that is above its round-off
+BALANCE = 1e-6      # `EquilibriumResidual` of a converged solution at most; round-off is far below
 
 
 @ByKeyword
@@ -53,7 +58,7 @@ def Resultants(solution):
               for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
     found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
               if kind in ("traction", "bodyforce")]
-    if disc.addedmatrices or disc.addedloads:
+    if disc.added:
         found.append(Resultant("added", None, *Split(basis @ AddedForce(solution))))
     contact = disc.contact
     motions = RigidMotionsAt(contact.coordinates)
@@ -87,6 +92,20 @@ def GlobalImbalance(solution):
     """Largest component of the sum of all forces and moments, relative to the largest single one or to `ElasticForce`."""
     modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in solution.Resultants()])
     return float(np.abs(modes.sum(axis=0)).max() / max(np.abs(modes).max(), ElasticForce(solution)))
+
+
+@ByKeyword
+def EquilibriumResidual(disc, vector, traction):
+    """|A u - f + T' W t| of coefficients u (ndof,) and tractions t (n, d), Euclidean norm on the free dofs, relative.
+
+    To the largest of A u, f and T' W t, or to NEGLIGIBLE |diag(A) u| if that is more: of a nearly rigid motion of a stiff body
+    A u is a small difference of large numbers, whose round-off, some 10 eps |diag(A) u|, tells nothing.
+    """
+    elastic, pull = disc.Multiply(vector), disc.contact.Load(traction)
+    diagonal = sp.csr_matrix(disc.matrix.CSR(), shape=disc.matrix.shape).diagonal()
+    free = np.array(disc.space.FreeDofs())
+    size = max(np.linalg.norm(part[free]) for part in (elastic, disc.load, pull, NEGLIGIBLE * diagonal * vector))
+    return float(np.linalg.norm((elastic - disc.load + pull)[free]) / size) if size else 0.0
 
 
 @ByKeyword

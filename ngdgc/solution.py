@@ -1,6 +1,5 @@
 """What a solver returns: fields, contact quantities, resultants, history."""
 
-from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -13,66 +12,10 @@ from .exceptions import ProblemError
 from .fluxes import Flux
 from .forces import Force, Mean, Traction, Tractions
 from .graph import ZONES, Distance
+from .history import Level, ObservedRate, Rates, Step
 from .report import Plain, Report, Summary
-from .resultants import ElementImbalance, GlobalImbalance, Resultants
-
-
-@dataclass(frozen=True)
-class Step:
-    """What is recorded of an iteration.
-
-    change : |u^i - u^(i-1)| / |u^i|, maximum norm over the quadrature points of Gamma_C, no unit
-    residual : distance of (u^i, t^i) to the graph of the law, no unit (`solvers.driver.LawResidual`)
-    solves : applications of A^-1 so far;  seconds : since the start
-    """
-
-    number: int
-    change: float
-    residual: float
-    solves: int
-    seconds: float
-
-
-@dataclass(frozen=True)
-class Rates:
-    """Factors by which an iteration shrinks its error per step, no unit, None where there is none.
-
-    predicted : spectral radius of the derivative of the step at the solution; 1 - predicted is at most a tenth too large for
-        the sizes stated in `solvers.contraction.ContractionFactor`.  Only iterations with one and the same step have it
-    observed : geometric mean of the quotients of the last changes, at most ten and at most half of them all
-    """
-
-    predicted: float | None
-    observed: float | None
-
-
-def ObservedRate(history):
-    """`Rates.observed` of a list of Steps."""
-    changes = [step.change for step in history]
-    count = min(10, len(changes) // 2)
-    if count == 0 or changes[-1] == 0 or changes[-1 - count] == 0:
-        return None
-    return float((changes[-1] / changes[-1 - count]) ** (1 / count))
-
-
-@dataclass(frozen=True)
-class Level:
-    """What one mesh of a nested iteration took: its size, iterations, applications of an inverse, and seconds.
-
-    cycles : steps of conjugate gradients, where they take the place of a factorisation
-    factorisation : seconds of it that factorised;  seconds : in all, with the matrix where that was not there before
-    If it has not converged the next mesh started from rest.
-    """
-
-    elements: int
-    dofs: int
-    points: int
-    iterations: int
-    solves: int
-    cycles: int
-    factorisation: float
-    seconds: float
-    converged: bool = True
+from .resultants import ElementImbalance, EquilibriumResidual, GlobalImbalance, Resultants
+from .state import AsRead
 
 
 @ByKeyword
@@ -98,6 +41,11 @@ class ContactSolution:
         self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
         self.levels, self.case = [], None
 
+    @property
+    def state(self):
+        """The `State` of mesh and data that the solution belongs to."""
+        return self.disc.state
+
     def __repr__(self):
         state = "converged" if self.converged else "not converged"
         return f"ContactSolution({self.disc!r}, {state} after {len(self.history)} iterations)"
@@ -106,9 +54,14 @@ class ContactSolution:
         raise ProblemError("a ContactSolution belongs to a mesh and a factorised matrix, which are not copied or pickled; take "
                            "Save(folder) and ContactSolution.Load(folder, problem), or its arrays, such as traction")
 
-    @cached_property
+    @property
     def gfu(self):
         """u_h, a GridFunction; discontinuous ones have no values on boundaries: `Mean`, or BoundaryFromVolumeCF(gfu)."""
+        self.state.CheckMesh()
+        return self._gfu
+
+    @cached_property
+    def _gfu(self):
         function = GridFunction(self.disc.space, "u")
         function.vec.FV().NumPy()[:] = self.vector
         return function
@@ -126,9 +79,11 @@ class ContactSolution:
     @property
     def stress(self):
         """C eps(u_h), CoefficientFunction (d, d) [stress], in the elements; on boundaries take `Force` or `Traction`."""
+        self.state.CheckMaterial()
         return self.disc.problem.material.Stress(self.strain)
 
     @cached_property
+    @AsRead
     def flux(self):
         """The numerical flux sigma_hat n on every facet, a GridFunction (d,) [stress]; see `fluxes.Flux`.  DG only."""
         return Flux(self)
@@ -185,6 +140,7 @@ class ContactSolution:
         return {name: float(self.weights[self.zones == number].sum()) for number, name in enumerate(ZONES)}
 
     @cached_property
+    @AsRead
     def energy(self):
         """Elastic energy, half of int C eps(u_h):eps(u_h) over the elements [stress length^d]."""
         return float(Integrate(0.5 * InnerProduct(self.stress, self.strain), self.disc.mesh, order=2 * self.disc.order + 2))
@@ -199,10 +155,12 @@ class ContactSolution:
         return np.array(self.gfu(self.disc.mesh(*point)))
 
     @cached_property
+    @AsRead
     def tractions(self):
         """`tractions.FacetTractions`: tractions on all boundaries and interfaces, and their integrals over the facets."""
         return Tractions(self)
 
+    @AsRead
     def Force(self, region, *, material=None):
         """Force on the body through a boundary region, (d,) [stress length^(d-1)]: loads, reactions and contact alike.
 
@@ -226,6 +184,7 @@ class ContactSolution:
         """Mean displacement of a boundary region, (d,) [length]; inside the body the mean of both sides."""
         return Mean(self, region)
 
+    @AsRead
     def Traction(self, region):
         """sigma n on a boundary region, a CoefficientFunction (d,) [stress] for boundary integrals and boundary points.
 
@@ -240,6 +199,7 @@ class ContactSolution:
         return self._resultants
 
     @cached_property
+    @AsRead
     def _resultants(self):
         return Resultants(self)
 
@@ -247,9 +207,15 @@ class ContactSolution:
         """Largest component of the sum of all forces and moments, relative to the largest one."""
         return GlobalImbalance(self)
 
+    @AsRead
     def ElementImbalance(self):
         """Unbalanced force and moment per element, (elements, 3 or 6), relative; DG only, H1 balances globally."""
         return ElementImbalance(self)
+
+    @AsRead
+    def EquilibriumResidual(self):
+        """|A u - f + T' W t| relative to its terms, no unit: how well the linear equations are solved."""
+        return EquilibriumResidual(self.disc, self.vector, self.traction)
 
     def Report(self):
         """A page of text: what was solved, how the iteration went, what happens on Gamma_C, forces and balance."""
@@ -269,6 +235,7 @@ class ContactSolution:
         What was saved there before is replaced at the end, or kept if that fails.  Raises ProblemError if the folder cannot be
         written, and for what a file cannot keep: a method of your own, a deformation of the mesh.
         """
+        self.state.CheckFixed()
         archive.Keep(self, folder)
 
     @classmethod

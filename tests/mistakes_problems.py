@@ -5,7 +5,7 @@ import scipy.sparse as sp
 from conftest import Example
 from mistakes import HELD, SOFT, Disc, On
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, BilinearForm, LinearForm, Mesh, VectorL2, dx, sqrt, x, y
+from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, VectorL2, ds, dx, sqrt, x, y
 
 from ngdgc import (LDG, BassiEtAl, Conforming, Discretization, Foundation, HookeMaterial, InteriorPenalty, Lifting,
                    SemismoothNewtonSolver, Solve, UzawaSolver)
@@ -41,6 +41,15 @@ def Curved():
     disc = Disc()
     disc.mesh.Curve(2)
     return disc.form
+
+
+def Parametric(change, Use):
+    """What is asked of a solution with a Parameter as modulus and a GridFunction as gap, after one of them was changed."""
+    modulus, mesh = Parameter(2000), RectangleMesh(2)
+    gap = GridFunction(H1(mesh))
+    solution = Solve(Disc(mesh=mesh, material=HookeMaterial(E=modulus, nu=0.3), foundation=On(gap=gap)))
+    change(modulus, gap)
+    return Use(solution)
 
 
 def Assembled():
@@ -93,7 +102,7 @@ PROBLEMS = [
      "foundation region 'interface' | for the outer boundary only | rename the interface or the region"),
     (lambda _: Disc(roller={"top": 0}, traction={"top": CF((1, 1))}),
      "traction['top'] has a normal component on a roller | normal displacement is prescribed | give the tangential part"),
-    (lambda _: Disc(**FLOATING),
+    (lambda _: Disc(**FLOATING).matrix,
      "the body floats: nothing resists translation along x | neither dirichlet nor roller | hold it with"),
     (lambda _: Disc(bodyforce=CF((sqrt(y - 0.03), 0)), order=5).loads, "bodyforce is not finite | quadrature point | look for"),
     (lambda _: Solve(Example()),
@@ -103,8 +112,17 @@ PROBLEMS = [
     (lambda _: Disc(InteriorPenalty), "method is <class | an object such as InteriorPenalty() or Conforming() | give"),
     (lambda _: Disc(order=0), "order is 0 | an integer of at least 1 | must be"),
     (lambda _: Disc(assembly="fast"), "assembly is 'fast' | 'facet' or 'skeleton' | choose"),
-    (lambda _: Curved(), "the mesh was refined or curved | after the Discretization was made | make a new one"),
+    (lambda _: Curved(), "the mesh was curved | after the Discretization was made | make a new one"),
     (lambda _: Refined(), "the mesh was refined | after the Discretization was made | make a new one"),
+    (lambda _: Parametric(lambda modulus, gap: modulus.Set(1000), lambda solution: solution.stress),
+     "Parameter in material: E | was set anew since the solution was computed | set it back"),
+    (lambda _: Parametric(lambda modulus, gap: gap.Set(1), lambda solution: Solve(solution.disc)),
+     "foundation 'bottom': gap: a GridFunction | was changed after the Discretization was made | make a new one"),
+    (lambda _: Added(lambda u, v: BilinearForm(u * v * ds)), "integral 1 of the form is 0 | ds alone | ds(skeleton=True"),
+    (lambda _: Added(lambda u, v: BilinearForm((u - u.Other()) * v * ds(skeleton=True))),
+     "form has another matrix than it applies | Other() on the boundary | leave Other() out"),
+    (lambda _: Added(lambda u, v: BilinearForm((u - u.Other()) * v * dx(skeleton=True)), Disc(Conforming())),
+     "form cannot be assembled | between elements of a discontinuous method | write dx"),
     (lambda _: Disc().Add(3), "form is 3 | BilinearForm or LinearForm on disc.space | give"),
     (lambda _: Elsewhere(), "form lives on another space | disc.space | make it on"),
     (lambda _: Assembled(), "the matrix or the load is there already | right after the Discretization is made | add forms"),

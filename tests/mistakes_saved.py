@@ -10,6 +10,7 @@ from netgen.occ import Circle, OCCGeometry
 from ngsolve import BilinearForm, GridFunction, Mesh, VectorH1, dx
 
 from ngdgc import Conforming, ContactSolution, InteriorPenalty, Solve
+from ngdgc.meshes import RectangleMesh
 from ngdgc.storage import Write
 
 
@@ -48,10 +49,9 @@ def Altered(folder, *, traction=1, inside=0):
 
 
 def Deformed(folder):
-    solution = Solve(Disc())
-    field = GridFunction(VectorH1(solution.disc.mesh))
-    solution.disc.mesh.SetDeformation(field)
-    solution.Save(folder)
+    mesh = RectangleMesh(2)
+    mesh.SetDeformation(GridFunction(VectorH1(mesh)))
+    Solve(Disc(mesh=mesh)).Save(folder)
 
 
 def CurvedBefore(folder):

@@ -9,8 +9,9 @@ import psutil
 import scipy.sparse as sp
 from conftest import Example
 from mistakes import Block, Disc, Nonsymmetric
+from ngsolve import BilinearForm, dx
 
-from ngdgc import Conforming, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver, inverses
+from ngdgc import Conforming, Discretization, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver, inverses
 from ngdgc.facets import Csr, Native
 from ngdgc.iterative import IterativeInverse
 from ngdgc.meshes import BoxMesh
@@ -35,6 +36,15 @@ def Interrupted(number):
     UzawaSolver().Solve(disc, callback=Stop)
 
 
+def Unbalanced():
+    """Cholesky's factorisation of an unsymmetric matrix."""
+    disc = Disc()
+    u, v = disc.space.TnT()
+    disc.Add(BilinearForm(3000 * (u[0] * v[1] - u[1] * v[0]) * dx))
+    with patch.object(Discretization, "symmetric", True):
+        SemismoothNewtonSolver().Solve(disc)
+
+
 def WithoutMkl():
     with patch.object(inverses, "HasPardiso", return_value=False):
         return Disc(inverse="pardisospd").inversekind
@@ -55,6 +65,7 @@ SOLVERS = [
     # Inverses.
     (lambda _: Disc(inverse="lu").inversekind, "inverse is 'lu' | auto, sparsecholesky | choose"),
     (lambda _: Nonsymmetric().inversekind, "inverse='sparsecholesky' | is for symmetric matrices | take inverse='auto'"),
+    (lambda _: Unbalanced(), "inverse='sparsecholesky' | did not solve the linear equations | another inverse"),
     (lambda _: WithoutMkl(),
      "inverse='pardisospd' | needs the library MKL | install them, pip install --upgrade ngdgc[mkl] ngsolve"),
     (lambda _: TooLarge(), "the factors of 48 unknowns | GB are free | take inverse='iterative'"),

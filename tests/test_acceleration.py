@@ -13,7 +13,7 @@ from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, 
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.randomproblems import Draw as Sample
-from ngdgc.solution import Step
+from ngdgc.history import Step
 from ngdgc.solvers import driver, uzawa
 from ngdgc.solvers.driver import _Verdict
 from ngdgc.solvers.steps import Anderson

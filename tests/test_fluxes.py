@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 from conftest import EIGHT, Example
-from ngsolve import CF, L2, BilinearForm, GridFunction, Integrate, LinearForm, Parameter, VectorL2, dx, grad, x, y
+from ngsolve import CF, L2, BilinearForm, GridFunction, Integrate, LinearForm, Parameter, VectorL2, ds, dx, grad, x, y
 from test_forms import GRADED, Distorted
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, IncompleteInteriorPenalty,
-                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver,
+                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver, Solve,
                    TrescaFriction)
 from ngdgc.facets import RigidMotions
 from ngdgc.meshes import BoxMesh, RectangleMesh
@@ -127,3 +127,47 @@ def test_unsymmetric_added_form_is_solved():
     function.vec.FV().NumPy()[:] = solution.vector
     residual = disc.Multiply(solution.vector) - disc.load + disc.contact.Load(solution.traction)
     assert np.abs(residual).max() < 1e-9 * np.abs(disc.load).max()
+
+
+@pytest.mark.parametrize("mesh", [RectangleMesh(4, upper=(2, 1)), BoxMesh(2)], ids=["2d", "3d"])
+@pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), Conforming()], ids=["ip", "ldg", "h1"])
+def test_springs_alone_hold_a_motion(mesh, method):
+    """On a side and in the whole body they carry the load; without them, or with springs across alone, it is refused."""
+    dim, pull = mesh.dim, 5
+    side, back = ("right", "left") if dim == 2 else ("front", "back")
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(10)),
+                             traction={side: (pull, 0, 0)[:dim]}, roller={"left": 0} if dim == 3 else None)
+    for measure in (ds(skeleton=True, definedon=mesh.Boundaries(back)), dx):
+        disc = Discretization(problem, method, mesh, order=2)
+        u, v = disc.space.TnT()
+        solution = Solve(disc.Add(BilinearForm(500 * u * v * measure)))
+        forces = {resultant.kind: resultant.force for resultant in solution.Resultants()}
+        assert forces["added"][0] == pytest.approx(-pull, rel=1e-8) and solution.GlobalImbalance() < 1e-9
+    with pytest.raises(ProblemError, match="floats: nothing resists translation along x"):
+        Solve(Discretization(problem, method, mesh, order=2))
+    # Springs across, which resist nothing of what is free.
+    disc = Discretization(problem, method, mesh, order=2)
+    u, v = disc.space.TnT()
+    with pytest.raises(ProblemError, match="floats: nothing resists translation along x"):
+        Solve(disc.Add(BilinearForm(500 * u[1] * v[1] * dx)))
+
+
+@pytest.mark.parametrize("make", [
+    lambda u, v, mesh: u * v * ds, lambda u, v, mesh: u * v * ds(definedon="left"),
+    lambda u, v, mesh: u * v * dx + u * v * ds, lambda u, v, mesh: u * v * dx(definedon=mesh.Boundaries("left")),
+    lambda u, v, mesh: u * v * ds(element_boundary=True)])
+def test_forms_without_values_on_boundary_elements_are_refused(make):
+    """What NGSolve cannot evaluate of a discontinuous function; with skeleton=True it can, and the form counts."""
+    disc = Discretization(Example(), LDG(), RectangleMesh(2), order=1)
+    u, v = disc.space.TnT()
+    with pytest.raises(ProblemError, match=r"write dx.*ds\(skeleton=True, definedon=...\)"):
+        disc.Add(BilinearForm(make(u, v, disc.mesh)))
+    with pytest.raises(ProblemError, match="integral 2 of the form is 0"):
+        disc.Add(LinearForm(v[0] * dx + v[0] * ds))
+    assert not disc.added
+    disc.Add(BilinearForm(u * v * ds(skeleton=True, definedon="left")))
+    # The mass of the edges of the left side, whose length is 1: (1, 0) has the energy 1.
+    one = GridFunction(disc.space)
+    one.Set((1, 0))
+    ones = one.vec.FV().NumPy()
+    assert ones @ (disc.added.matrix @ ones) == pytest.approx(1, rel=1e-12)

@@ -22,7 +22,7 @@ from ngdgc.formula import Formula
 from ngdgc.meshes import RectangleMesh
 from ngdgc.output import EVERY, FIRST, Progress
 from ngdgc.report import SCHEMA, Plain
-from ngdgc.solution import Step
+from ngdgc.history import Step
 
 NUMBER = re.compile(r"iteration +(\d+) ")
 

@@ -17,13 +17,13 @@ ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
 # Who may import whom: only from lines above.
-LAYERS = [["arguments", "console", "exceptions", "formula", "interfaces", "parallel", "peers", "protocols", "signals",
-           "tables"],
+LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfaces", "parallel", "peers", "protocols",
+           "signals", "tables"],
           ["calls", "files", "memory", "names", "report", "userlaws"],
           ["inside"], ["casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
-          ["problem", "facets"], ["meshchecks"], ["quadrature"], ["storage"],
-          ["shapes", "pattern", "skeleton", "contact", "validation", "stability"],
+          ["problem", "facets"], ["meshchecks"], ["quadrature", "added", "state"], ["storage"],
+          ["shapes", "pattern", "skeleton", "contact", "validation", "restraints", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["cycles"], ["methods", "solenoidal"],
           ["preconditioner"], ["iterative"], ["inverses"], ["equations"], ["discretization"], ["graph"],

@@ -1,14 +1,18 @@
 """The driver stops, records and raises; a solver is only its iteration."""
 
 import time
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import numpy as np
 
 from ..contact import Scale
+from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from ..graph import CheckEnds, Distance, Scales
-from ..solution import ContactSolution, Step
+from ..history import Step
+from ..resultants import BALANCE
+from ..solution import ContactSolution
 
 WINDOW = 10         # iterations over which progress is judged
 NOPROGRESS = 0.97   # best value of a window against the best before: 0.997 per iteration
@@ -28,6 +32,17 @@ class Iterate:
 def LawResidual(contact, iterate):
     """Distance of displacement and traction to the graph of the contact law (`graph.Distance`), the largest over all points."""
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
+
+
+@contextmanager
+def Current(disc):
+    """The Discretization with the data of now, for a solver alone; ProblemError if they change while it works."""
+    if not isinstance(disc, Discretization):
+        raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
+    with disc.lock:
+        current = disc.Current()
+        yield current
+        current.state.CheckFixed()
 
 
 def CheckCallback(callback):
@@ -71,7 +86,9 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
             reason = _Verdict(solver, history, positions, np.abs(disc.contact.gap).max(initial=0), window, rest)
             if reason == "converged":
                 CheckEnds(disc.contact, iterate.displacement, iterate.traction)
-                return Solution(True, True)
+                solution = Solution(True, True)
+                _CheckEquilibrium(solution, Solution)
+                return solution
             if reason:
                 break
         message, contraction = Diagnose(reason or "stalled")
@@ -80,6 +97,18 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
         if iterate is None:
             raise
         raise SolveInterrupted(Solution(False, False)) from interrupt
+
+
+def _CheckEquilibrium(solution, Failed):
+    """Raise NotConvergedError unless the displacement is in equilibrium with loads and tractions, as the iteration believes."""
+    residual = solution.EquilibriumResidual()
+    # Written so that a NaN is caught as well.
+    if not residual <= BALANCE:
+        disc = solution.disc
+        raise NotConvergedError(
+            f"the law of contact holds, but A u - f + T' W t is {residual:.2g} of its terms: inverse={disc.inversekind!r} did "
+            "not solve the linear equations.  Remedy: another inverse, or look for coefficients of extreme size and degenerate "
+            "elements", Failed(False, False))
 
 
 def _Verdict(solver, history, positions, gap, window, rest):

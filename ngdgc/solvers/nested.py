@@ -15,13 +15,14 @@ from ..calls import ByKeyword
 from ..coarsening import CoarserMesh
 from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError
-from ..solution import Level
-from .driver import CheckCallback
+from ..history import Level
+from .driver import CheckCallback, Current
 from .multistart import Starts
 from .newton import SemismoothNewtonSolver
 
 if TYPE_CHECKING:
-    from ..solution import ContactSolution, Step
+    from ..history import Step
+    from ..solution import ContactSolution
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
 COARSEST = 20                   # contact points that need no prediction
@@ -62,9 +63,15 @@ class NestedNewtonSolver:
         the last mesh.
         """
         solver = SemismoothNewtonSolver(tol=self.tol)
-        if not isinstance(disc, Discretization):
-            raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
         CheckCallback(callback)
+        with Current(disc) as disc:
+            levels, start = self._Predict(solver, disc)
+            solution, seconds = self._Finest(solver, disc, start, callback)
+            solution.solver, solution.levels = repr(self), [*levels, _Level(disc, solution.history, seconds, True)]
+            return solution
+
+    def _Predict(self, solver, disc):
+        """(levels, start): what the coarser meshes took, and what they predict for the Discretization, or None."""
         levels, start, meshes = [], None, [*self._Coarse(disc), disc]
         coarse: Any
         solution: Any
@@ -78,9 +85,7 @@ class NestedNewtonSolver:
                 start, history = None, getattr(error, "history", ())
             levels.append(_Level(coarse, history, time.perf_counter() - begin, start is not None))
             coarse = solution = None    # with the factors: the next ones need the memory
-        solution, seconds = self._Finest(solver, disc, start, callback)
-        solution.solver, solution.levels = repr(self), [*levels, _Level(disc, solution.history, seconds, True)]
-        return solution
+        return levels, start
 
     def _Coarse(self, disc):
         try:

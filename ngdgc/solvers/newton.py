@@ -11,15 +11,16 @@ import numpy as np
 
 from ..calls import ByKeyword
 from ..coefficients import IsNumber
-from ..discretization import Discretization
 from ..exceptions import ProblemError
 from ..protocols import Array
 from .correction import CorrectedRun
-from .driver import Drive
+from .driver import Current, Drive
 from .newtonrun import NewtonRun
 
 if TYPE_CHECKING:
-    from ..solution import ContactSolution, Step
+    from ..discretization import Discretization
+    from ..history import Step
+    from ..solution import ContactSolution
 
 
 @ByKeyword
@@ -70,11 +71,10 @@ class SemismoothNewtonSolver:
         Raises NotConvergedError, with the history and the likely cause, if the iteration stalls, from rest also under
         load steps; SolveInterrupted, with the last iterate, on Ctrl-C.
         """
-        if not isinstance(disc, Discretization):
-            raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
-        shape = disc.contact.normals.shape
-        if start is not None and [np.shape(part) for part in start] != [shape, shape]:
-            raise ProblemError(f"start has shapes {[np.shape(part) for part in start]}; give displacement and traction at the "
-                               f"contact points, both {shape}")
-        run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(self, disc, start)
-        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
+        with Current(disc) as disc:
+            shape = disc.contact.normals.shape
+            if start is not None and [np.shape(part) for part in start] != [shape, shape]:
+                raise ProblemError(f"start has shapes {[np.shape(part) for part in start]}; give displacement and traction at "
+                                   f"the contact points, both {shape}")
+            run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(self, disc, start)
+            return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)

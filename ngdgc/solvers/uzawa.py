@@ -11,15 +11,16 @@ import numpy as np
 
 from ..calls import ByKeyword
 from ..coefficients import IsNumber
-from ..discretization import Discretization
 from ..exceptions import ProblemError
 from ..hypotheses import BoundDerivatives, SlipFactor
 from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
-from .driver import Drive, Iterate
+from .driver import Current, Drive, Iterate
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
 
 if TYPE_CHECKING:
-    from ..solution import ContactSolution, Step
+    from ..discretization import Discretization
+    from ..history import Step
+    from ..solution import ContactSolution
 
 WINDOW = 30         # iterations over which accelerated and adaptive steps are judged
 REST = 0.5          # of all iterations so far: adaptive steps rest up to 0.3 of them and converge, failing ones go on resting
@@ -108,13 +109,12 @@ class UzawaSolver:
         Raises NotConvergedError, with history, estimated contraction numbers and remedy, when the iterates cycle or the limit
         of iterations is reached; SolveInterrupted, with the last iterate, on Ctrl-C.
         """
-        if not isinstance(disc, Discretization):
-            raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
-        run = (_Explicit if self.normal == "explicit" else _Implicit)(self, disc)
-        fixed = self.acceleration is None and self.rho != "adaptive"
-        if fixed:
-            return Drive(self, disc, run.Iterates(), callback, run.Diagnose, Predict=run.Predict)
-        return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=WINDOW, rest=REST)
+        with Current(disc) as disc:
+            run = (_Explicit if self.normal == "explicit" else _Implicit)(self, disc)
+            fixed = self.acceleration is None and self.rho != "adaptive"
+            if fixed:
+                return Drive(self, disc, run.Iterates(), callback, run.Diagnose, Predict=run.Predict)
+            return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=WINDOW, rest=REST)
 
 
 class _Run:

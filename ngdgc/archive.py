@@ -27,7 +27,7 @@ def Keep(solution, folder):
                            "solution.vector and solution.traction, and make ContactSolution(disc, vector, traction) of them")
     penetration, slip = solution.penetration, disc.contact.Slip(solution.displacement)
     arrays = {"vector": solution.vector, "traction": solution.traction, "penetration": penetration, "slip": slip,
-              "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(len(solution.history), -1),
+              "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(-1, 5),
               **dict(Fingerprint(solution, penetration, slip))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,

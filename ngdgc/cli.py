@@ -59,7 +59,7 @@ def _Code(arguments):
     except Exception as error:
         if SIGNALS.received is not None:
             # It came in the middle of other software, which made of it what it liked.
-            code, message = SIGNALS.code, SIGNALS.words
+            code, message = SIGNALS.code, f"{SIGNALS.words} ({type(error).__name__}: {error})"
         elif isinstance(error, MemoryError) or any(words in str(error) for words in SCARCE):
             code, message = 2, "there is not enough memory; take a coarser mesh or a lower order"
         else:

@@ -106,9 +106,11 @@ def _Display(Close):
 
 def SaveResults(solution, files):
     """Write what must not be lost to `files.Files`: the solution, the numbers and the report."""
-    files.Write("solution/", solution.Save, precious=True)
-    files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
-    files.Text("report.txt", solution.Report())
+    try:
+        files.Write("solution/", solution.Save, precious=True)
+    finally:        # also of what cannot be saved, such as a method of one's own
+        files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
+        files.Text("report.txt", solution.Report())
 
 
 def DrawResults(solution, files, *, scale=1.0):
@@ -116,11 +118,12 @@ def DrawResults(solution, files, *, scale=1.0):
 
     With another scale than 1 the deformed body is drawn at that scale too.
     """
-    from .export import WriteHTML, WriteVTK
+    from .export import WriteContactVTK, WriteHTML, WriteVTK
     from .plots import ContactFigure, DeformedFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
 
     files.Write("solution.html", partial(WriteHTML, solution, scale=scale))
     files.Write("solution.vtu", partial(WriteVTK, solution))
+    files.Write("contact.vtu", partial(WriteContactVTK, solution))
     figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution),
                "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
                "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}

@@ -61,11 +61,13 @@ def Lines(error):
 def Sites(source):
     """(first line, last line, words) of the raise statements of a module that tell a user something, its words to find them by.
 
-    A LookupError is what `formula` says to itself.
+    A LookupError is what `formula` says to itself, a KeyboardInterrupt is handed on.
     """
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Raise) and node.exc is not None and "LookupError" not in ast.unparse(node):
-            yield node.lineno, node.end_lineno, ast.unparse(node)[:90]
+        if isinstance(node, ast.Raise) and node.exc is not None:
+            words = ast.unparse(node)
+            if "LookupError" not in words and "KeyboardInterrupt" not in words:
+                yield node.lineno, node.end_lineno, words[:90]
 
 
 def Phrases(source):

@@ -86,6 +86,20 @@ def test_a_signal_before_the_first_iterate_leaves_nothing(tmp_path, capsys, monk
     assert "written" not in output.out and Left(tmp_path) == {"case.py"} and not (tmp_path / "deep").exists()
 
 
+def test_a_signal_on_a_mesh_that_predicts_leaves_nothing_that_looks_like_a_solution(tmp_path, capsys, monkeypatch):
+    """Two meshes: in the first Newton step on the coarse one, and on the fine one, which is the control."""
+    for fine, files in ((False, set()), (True, {"solution/solution.json"})):
+        def Residual(contact, iterate, fine=fine):
+            if (len(contact.weights) == 64) == fine:
+                Kill()
+            return 1.0
+
+        monkeypatch.setattr("ngdgc.solvers.driver.LawResidual", Residual)
+        assert Main(["run", "example_4_1", "--n", "32", "--out", str(tmp_path / str(fine))]) == 143
+        assert files <= Left(tmp_path / str(fine)) and (tmp_path / str(fine)).exists() == fine
+        assert ("there is nothing to write" in capsys.readouterr().err) != fine
+
+
 @pytest.mark.parametrize("calls", [1, 2], ids=["once", "twice"])
 def test_a_signal_while_the_solution_is_saved_waits(calls, quick, tmp_path, capsys, monkeypatch):
     write = storage.Write
@@ -148,7 +162,8 @@ def test_an_error_of_other_software_on_a_signal_is_no_traceback(tmp_path, capsys
 
     monkeypatch.setattr(studies, "Show", Broken)
     arguments = ["locking", "--method", "h1", "--out", str(tmp_path / "new")]
-    assert Main(arguments) == 143 and capsys.readouterr().err == "ngdgc: stopped by SIGTERM\n"
+    assert Main(arguments) == 143 and capsys.readouterr().err == (
+        "ngdgc: stopped by SIGTERM (SystemError: returned a result with an exception set)\n")
     assert not (tmp_path / "new").exists()
     monkeypatch.setattr(studies, "Show", lambda line: Broken(number=1))
     with pytest.raises(SystemError):
@@ -181,9 +196,10 @@ def test_a_study_goes_on_when_its_reader_has_gone(tmp_path):
     assert done.returncode == 0 and "Traceback" not in done.stderr and Left(tmp_path) == {"locking.txt", "locking.png"}
 
 
-@pytest.mark.parametrize("fails, left", [("solution", set()), ("report.txt", {"solution/", "report.json"}),
-                                         ("law.png", PRECIOUS | {"solution.html", "solution.vtu", "setting.png", "contact.png",
-                                                                 "deformed.png"})])
+@pytest.mark.parametrize("fails, left", [("solution", {"report.json", "report.txt"}),
+                                         ("report.txt", {"solution/", "report.json"}),
+                                         ("law.png", PRECIOUS | {"solution.html", "solution.vtu", "contact.vtu", "setting.png",
+                                                                 "contact.png", "deformed.png"})])
 def test_a_full_disk_is_one_line_and_the_report_is_printed(fails, left, tmp_path, capsys, monkeypatch):
     def Full(path):
         if path.name == fails:

@@ -14,7 +14,7 @@ from ngsolve import Mesh
 from ..calls import ByKeyword
 from ..coarsening import CoarserMesh
 from ..discretization import Discretization
-from ..exceptions import NotConvergedError, ProblemError
+from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from ..history import Level
 from .driver import CheckCallback, Current
 from .multistart import Starts
@@ -83,6 +83,8 @@ class NestedNewtonSolver:
             except (NotConvergedError, ProblemError) as error:
                 # It was to predict, no more: the next mesh starts from rest.
                 start, history = None, getattr(error, "history", ())
+            except SolveInterrupted as stop:
+                raise KeyboardInterrupt from stop       # what a coarser mesh has says nothing of the last one
             levels.append(_Level(coarse, history, time.perf_counter() - begin, start is not None))
             coarse = solution = None    # with the factors: the next ones need the memory
         return levels, start

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from difflib import get_close_matches
 from functools import wraps
 from typing import Any, TypeVar
 
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from .names import Meant
 
 Public = TypeVar("Public")
 
@@ -61,10 +61,8 @@ def _Mistake(function: Callable[..., Any], arguments: tuple[Any, ...], keywords:
     known = [parameter.name for parameter in parameters if parameter.kind is not parameter.VAR_POSITIONAL]
     for keyword in keywords:
         if keyword not in known:
-            close = get_close_matches(keyword, known, 1)
-            return f"{words}: there is no argument {keyword!r}; " + (f"did you mean {close[0]!r}?" if close else
-                                                                     f"choose among {', '.join(known)}" if known else
-                                                                     "leave it out")
+            remedy = f"choose among {', '.join(known)}" if known else "leave it out"
+            return f"{words}: there is no argument {keyword!r}; {remedy}{Meant(keyword, known)}"
     positional = [p.name for p in parameters if p.kind in (p.POSITIONAL_ONLY, p.POSITIONAL_OR_KEYWORD)]
     several = positional[:len(arguments)]
     if twice := [name for name in several if name in keywords]:

@@ -1,28 +1,22 @@
 """Numbers, tuples and CoefficientFunctions as data: one conversion and one check for all of them."""
 
-import re
-from numbers import Real
-
 import numpy as np
 from ngsolve import CF, CoefficientFunction, Parameter
 
 from .exceptions import ProblemError
 from .inside import FromInside, OnBoundary
+from .values import IsNumber, Number
 
 
 LOADBONUS = 2       # quadrature degrees for loads and prescribed values that are no polynomials of the displacement's order
 
 
-def IsNumber(value):
-    return isinstance(value, Real) and not isinstance(value, bool)
-
-
 def Scalar(value, name):
     """A finite float or a scalar CoefficientFunction, else ProblemError."""
     if IsNumber(value):
-        if not np.isfinite(value):
+        if not np.isfinite(number := float(Number(value))):
             raise ProblemError(f"{name} is {value}; give a finite number or a CoefficientFunction")
-        return float(value)
+        return number
     if not isinstance(value, CoefficientFunction):
         raise ProblemError(f"{name} is {value!r}; give a number or a scalar CoefficientFunction")
     if value.is_complex:
@@ -33,8 +27,8 @@ def Scalar(value, name):
 
 
 def Vector(value, name):
-    """A CoefficientFunction with 2 or 3 components; a tuple of numbers or CoefficientFunctions will do."""
-    if isinstance(value, (tuple, list)):
+    """A CoefficientFunction with 2 or 3 components; a tuple of numbers or CoefficientFunctions, or an array will do."""
+    if isinstance(value, (tuple, list)) or isinstance(value, np.ndarray) and value.ndim == 1:
         value = CF(tuple(Scalar(component, f"component {number} of {name}") for number, component in enumerate(value, start=1)))
     if not isinstance(value, CoefficientFunction) or value.dim not in (2, 3):
         shape = f"{value.dim} component(s)" if isinstance(value, CoefficientFunction) else repr(value)
@@ -56,16 +50,6 @@ def OnFacets(problem, kind, region, mesh):
     return Unfolded(FromInside(value, mesh.Boundaries(region), f"{kind}[{region!r}]"))
 
 
-def RegionName(region, name):
-    """A nonempty string that is a regular expression, else ProblemError."""
-    try:
-        re.compile(region)
-    except (TypeError, re.error) as error:
-        raise ProblemError(f"{name} region is {region!r}; give a name or a regular expression such as 'left|right' "
-                           f"({error})") from None
-    return region
-
-
 def Pointwise(law):
     """True if some datum of the law is a CoefficientFunction, so that it can be evaluated only at points."""
     return any(isinstance(value, CoefficientFunction) for value in getattr(law, "__dict__", {}).values())
@@ -77,14 +61,14 @@ def CheckNumber(value, name, *, above=None, least=None):
         CheckRange(np.asarray(value), name, above=above, least=least)
 
 
-def CheckRange(values, name, *, above=None, least=None):
-    """Raise ProblemError unless all values are finite, > above and >= least."""
+def CheckRange(values, name, *, above=None, least=None, Where=lambda values, wrong: ""):
+    """Raise ProblemError unless all values are finite, > above and >= least; Where(values, mask of wrong ones) says where."""
     values = np.asarray(values)
     if not np.all(np.isfinite(values)):
         raise ProblemError(f"{name} is not finite at {np.sum(~np.isfinite(values))} of {values.size} points; "
                            "look for a division by zero or a root of a negative number")
     if above is not None and np.any(values <= above):
-        raise ProblemError(f"{name} is {values.min():g}; it must be greater than {above:g}")
+        raise ProblemError(f"{name} is {values.min():g}{Where(values, values <= above)}; it must be greater than {above:g}")
     if least is not None and np.any(values < least):
         raise ProblemError(f"{name} is {values.min():g}; it must be at least {least:g}")
 

@@ -27,6 +27,7 @@ from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
 from .state import AsRead, State
 from .validation import CheckData, CheckMesh, CheckRegions
+from .values import HIGHEST, Integer
 
 if TYPE_CHECKING:
     from .history import Step
@@ -67,14 +68,15 @@ class Discretization(LinearEquations):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
         if isinstance(method, type) or not hasattr(method, "Form"):
             raise ProblemError(f"method is {method!r}; give an object such as InteriorPenalty() or Conforming()")
-        if isinstance(order, bool) or not isinstance(order, (int, np.integer)) or order < 1:
-            raise ProblemError(f"order is {order!r}; it must be an integer of at least 1, piecewise constants carry no strain")
         if assembly not in ("facet", "skeleton"):
             raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
         CheckMesh(problem, mesh)
-        CheckAssembly(mesh.ne, mesh.dim, int(order), discontinuous=method.discontinuous)
+        most = HIGHEST[mesh.dim]
+        order = Integer(order, "order", f"it must be an integer of at least 1, piecewise constants carry no strain, and in "
+                                        f"{mesh.dim}D at most {most}, up to which methods are tested", most=most)
+        CheckAssembly(mesh.ne, mesh.dim, order, discontinuous=method.discontinuous)
         self.method: Any = method
-        self.problem, self.mesh, self.order, self.assembly = problem, mesh, int(order), assembly
+        self.problem, self.mesh, self.order, self.assembly = problem, mesh, order, assembly
         self.wanted = inverse
         self.facets = Facets(mesh)
         CheckRegions(problem, mesh, self.facets)

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CF, Grad, Id, Mesh, Sym, Trace
+from ngsolve import CF, VOL, ElementId, Grad, Id, Mesh, Sym, Trace
 
 from .calls import ByKeyword
 from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
@@ -35,6 +36,16 @@ def StiffnessAt(material: HookeMaterial | AnisotropicMaterial, points: Any, dim:
         raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
                            "division by zero or a root of a negative number")
     return C
+
+
+def MaterialWords(mesh: Mesh, points: Any, values: Array, wrong: Array) -> str:
+    """Words for the first material in which values at points are wrong (a mask); none if the mesh has one material."""
+    names = mesh.GetMaterials()
+    if len(names) < 2:
+        return ""
+    element = ElementId(VOL, int(points["nr"][np.argmax(wrong)]))
+    hint = ", as where a MaterialCF has neither value nor default" if values[np.argmax(wrong)] == 0 else ""
+    return f" in material {names[mesh[element].index]!r}{hint}"
 
 
 @ByKeyword
@@ -111,14 +122,16 @@ class HookeMaterial:
         """Raise ProblemError unless C is finite and positive definite at the points."""
         if mesh.dim == 3 and self.plane == "stress":
             raise ProblemError("plane='stress' on a mesh of dimension 3; plane stress exists in 2D only, take plane='strain'")
+        Where = partial(MaterialWords, mesh, points)
+        mu, lam = ValuesAt(self.mu, points, "mu"), ValuesAt(self.lam, points, "lam")
         if self.nu is not None:
             nu = ValuesAt(self.nu, points, "nu")
-            CheckRange(nu, "nu", above=-1)
-            CheckRange(0.5 - nu, "0.5 - nu", above=0)
-        mu, lam = ValuesAt(self.mu, points, "mu"), ValuesAt(self.lam, points, "lam")
-        CheckRange(mu, "mu", above=0)
+            CheckRange(nu, "nu", above=-1, Where=Where)
+            CheckRange(0.5 - nu, "0.5 - nu", above=0, Where=Where)
+            CheckRange(ValuesAt(self.E, points, "E"), "E", above=0, Where=Where)
+        CheckRange(mu, "mu", above=0, Where=Where)
         # d = 2, plane strain: the plane part alone must be positive, which is weaker than the 3D condition.
-        CheckRange(mesh.dim * lam + 2 * mu, f"{mesh.dim}*lam + 2*mu", above=0)
+        CheckRange(mesh.dim * lam + 2 * mu, f"{mesh.dim}*lam + 2*mu", above=0, Where=Where)
 
 
 @ByKeyword
@@ -192,16 +205,17 @@ class AnisotropicMaterial:
         """Raise ProblemError unless C is finite, symmetric and positive definite at the points."""
         self._CheckMatrices(np.moveaxis(np.array(
             [[ValuesAt(entry, points, f"voigt[{i}][{j}]") for j, entry in enumerate(row)]
-             for i, row in enumerate(self.voigt)]), 2, 0))
+             for i, row in enumerate(self.voigt)]), 2, 0), partial(MaterialWords, mesh, points))
 
     @staticmethod
-    def _CheckMatrices(matrices):
+    def _CheckMatrices(matrices, Where=lambda values, wrong: ""):
         asymmetry = np.abs(matrices - np.swapaxes(matrices, 1, 2)).max()
         # Round-off of entries that are computed, not typed.
         if asymmetry > 1e-12 * np.abs(matrices).max():
             raise ProblemError(f"voigt is not symmetric: entries differ by {asymmetry:g}; give a matrix equal to "
                                "its transpose, C_ijkl = C_klij")
-        smallest = np.linalg.eigvalsh(matrices).min()
-        if smallest <= 0:
-            raise ProblemError(f"voigt is not positive definite: its smallest eigenvalue is {smallest:g}; all must be "
+        smallest = np.linalg.eigvalsh(matrices)[:, 0]
+        if np.any(smallest <= 0):
+            raise ProblemError(f"voigt is not positive definite: its smallest eigenvalue is {smallest.min():g}"
+                               f"{Where(smallest, smallest <= 0)}; all must be "
                                "positive, so that every strain costs energy: look at signs and at the order of the entries")

@@ -5,6 +5,7 @@ from abc import ABC, abstractmethod
 from threading import RLock
 from typing import Any
 
+from .exceptions import ProblemError
 from .facets import Threads
 from .protocols import Array
 
@@ -64,3 +65,10 @@ class LinearEquations(ABC):
         with Threads(self.mesh):
             target.data = operator * source
         return target.FV().NumPy().copy()
+
+
+def CheckDiscretization(disc: Any) -> None:
+    """Raise ProblemError unless it is a Discretization."""
+    if not isinstance(disc, LinearEquations) or not hasattr(disc, "problem"):
+        raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1), that of a solution is "
+                           "solution.disc")

@@ -1,11 +1,12 @@
-"""Forces, mean displacements and tractions on regions of the boundary and on interfaces."""
+"""Forces, mean displacements and tractions on regions of the boundary and on interfaces; displacements at points."""
 
 import numpy as np
 
-from .coefficients import RegionName
 from .conformingtractions import ConformingTractions
 from .exceptions import ProblemError
+from .regions import Matching
 from .tractions import MeanDisplacement, NumericalTractions
+from .values import Vectors
 
 
 def Tractions(solution):
@@ -32,28 +33,27 @@ def Mean(solution, region):
     return MeanDisplacement(solution.disc, solution.gfu, region)
 
 
+def DisplacementAt(solution, point):
+    """The displacement at a point of the body, (d,); see `ContactSolution.At`."""
+    mesh, dim = solution.disc.mesh, solution.disc.mesh.dim
+    place = Vectors(point, (dim,), "point", f"give its {dim} coordinates, such as At({', '.join('0' * dim)})").tolist()
+    try:
+        return np.array(solution.gfu(mesh(*place)))
+    except Exception as error:
+        points = mesh.ngmesh.Coordinates()[:, :dim]
+        raise ProblemError(f"point {tuple(place)} lies in no element of the mesh, which extends from "
+                           f"{tuple(points.min(axis=0).tolist())} to {tuple(points.max(axis=0).tolist())}; give a point of the "
+                           "body") from error
+
+
 def Facets(disc, region):
     """Numbers of the facets of a boundary region; ProblemError if there are none."""
-    _Mask(disc.mesh.Boundaries, region, "boundary", disc.mesh.GetBoundaries())
+    Matching(disc.mesh, region, "boundary")
     found = np.flatnonzero(disc.facets.On(region))
     if not len(found):
         raise ProblemError(f"boundary {region!r} contains no side of an element; give one that is part of the body's boundary "
                            "or of an interface")
     return found
-
-
-def _Mask(select, pattern, kind, names):
-    """True for the boundaries or materials that match, over their numbers; ProblemError if there are none."""
-    RegionName(pattern, kind)
-    try:
-        mask = np.array(list(select(pattern).Mask()))
-    except Exception as error:
-        raise ProblemError(f"{kind} region is {pattern!r}, which NGSolve does not take for a regular expression "
-                           f"({str(error).strip()}); give a name or alternatives such as 'left|right'") from error
-    if not mask.any():
-        raise ProblemError(f"{kind} {pattern!r} matches none of the mesh; choose among {', '.join(sorted(set(names)))} (a name "
-                           "with brackets needs re.escape)")
-    return mask
 
 
 def _Outward(disc, region, on):
@@ -71,7 +71,7 @@ def _Outward(disc, region, on):
 
 def _Side(disc, region, on, material):
     """Signs (n,) of the forces on the part of the body that is of a material."""
-    chosen = _Mask(disc.mesh.Materials, material, "material", disc.mesh.GetMaterials())
+    chosen = Matching(disc.mesh, material, "material", kind="material")
     own, beyond = disc.facets.interfaces.materials[on].T
     here, there = chosen[own], chosen[beyond] & (beyond >= 0)
     if np.any(here & (own == beyond)):

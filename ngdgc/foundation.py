@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from .calls import ByKeyword
-from .coefficients import Pointwise, RegionName, Scalar
+from .coefficients import Pointwise, Scalar
 from .exceptions import ProblemError
 from .formula import Described
 from .hypotheses import CheckCompliance, CheckFriction, CheckLaws
 from .laws import ComplianceLaw, FrictionLaw
 from .protocols import Compliance, Datum, Friction
+from .regions import RegionName
 from .userlaws import Watched
 
 if TYPE_CHECKING:
@@ -48,7 +49,7 @@ class Foundation:
                      gap: Datum = 0.0) -> None: ...
 
     def __post_init__(self) -> None:
-        RegionName(self.boundary, "foundation")
+        object.__setattr__(self, "boundary", RegionName(self.boundary, "foundation"))
         if not _Has(self.compliance, "Pressure", "PressureDerivative"):
             raise ProblemError(f"compliance is {self.compliance!r}; give a law such as NormalCompliance(stiffness=450), an "
                                "object with Pressure(r) and PressureDerivative(r)")

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from .calls import ByKeyword
-from .coefficients import IsNumber, Pointwise
+from .coefficients import Pointwise
 from .exceptions import ProblemError
 from .protocols import Compliance, Friction
 from .userlaws import Watched
+from .values import Integer, Positive
 
 SCALES = np.logspace(-6, 0, 25)     # of penetration, pressure and slip at which derivatives are compared
 STEP = 1e-5         # of differences, relative: their error is 1e-10 of the third derivative and 1e-11 of round-off
@@ -172,9 +173,8 @@ def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth
     >>> [round(float(constant), 3) for constant in (report.normal[0], report.friction[0])], report.monotone
     ([100.0, 30.0], True)
     """
-    for name, value in (("depth", depth), ("slip", slip)):
-        if not IsNumber(value) or not 0 < value < np.inf:
-            raise ProblemError(f"{name} is {value!r}; give a positive length")
+    depth, slip = (Positive(value, name, "give a positive length") for name, value in (("depth", depth), ("slip", slip)))
+    npoints = Integer(npoints, "npoints", "give the number of points, a positive integer")
     if Pointwise(compliance) or Pointwise(friction):
         raise ProblemError("the laws have data that are CoefficientFunctions, which have values only at points of a mesh; take "
                            "the laws in Discretization(...).contact.parts, or CheckUniqueness(disc)")

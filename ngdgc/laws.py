@@ -15,12 +15,13 @@ import numpy as np
 from ngsolve import CoefficientFunction
 
 from .calls import ByKeyword
-from .coefficients import CheckNumber, CheckRange, IsNumber, Pointwise, Scalar, ValuesAt
+from .coefficients import CheckNumber, CheckRange, Pointwise, Scalar, ValuesAt
 from .exceptions import ProblemError
 from .formula import Described
 from .hypotheses import CheckLaws
 from .protocols import Array, Compliance, Datum
 from .userlaws import Watched
+from .values import Positive
 
 if TYPE_CHECKING:
     from .hypotheses import LawReport
@@ -104,9 +105,7 @@ class _Ranged:
 
     def __post_init__(self) -> None:
         for name, limits in self._ranges.items():
-            # An array is what `LawAt` has put there.
-            if not isinstance(getattr(self, name), np.ndarray):
-                object.__setattr__(self, name, Scalar(getattr(self, name), name))
+            object.__setattr__(self, name, Scalar(getattr(self, name), name))
             CheckNumber(getattr(self, name), name, **limits)
 
     def CheckData(self, name: str = "") -> None:
@@ -135,7 +134,7 @@ class NormalCompliance(_Ranged, ComplianceLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _CheckExponent(self.exponent)
+        object.__setattr__(self, "exponent", Positive(self.exponent, "exponent", "it must be a positive number"))
 
     def Pressure(self, r: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent
@@ -222,7 +221,7 @@ class PowerFriction(_Ranged, FrictionLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        _CheckExponent(self.exponent)
+        object.__setattr__(self, "exponent", Positive(self.exponent, "exponent", "it must be a positive number"))
 
     def Bound(self, r: Array, p: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent
@@ -257,7 +256,3 @@ class TrescaFriction(_Ranged, FrictionLaw):
 def _Missing(law, method):
     return ProblemError(f"{type(law).__name__} has no method {method}; write it, arrays (npoints,) -> array (npoints,)")
 
-
-def _CheckExponent(exponent):
-    if not IsNumber(exponent) or not 0 < exponent < np.inf:
-        raise ProblemError(f"exponent is {exponent!r}; it must be a positive number")

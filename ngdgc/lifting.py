@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 from functools import cached_property
-from numbers import Integral
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,11 @@ import scipy.sparse as sp
 from ngsolve import GridFunction
 
 from .calls import ByKeyword
+from .equations import CheckDiscretization
 from .exceptions import ProblemError
 from .operators import FacetOperators
 from .pattern import Numbers
+from .values import HIGHEST, Integer
 
 
 class SparseOperators:
@@ -141,19 +142,19 @@ class Lifting:
     """
 
     def __init__(self, disc: Any, *, order: int | None = None) -> None:
+        CheckDiscretization(disc)
         if not disc.method.discontinuous:
             raise ProblemError(f"method {disc.method.name} has no jumps to lift; take a discontinuous one")
-        order = disc.order if order is None else order
-        if isinstance(order, bool) or not isinstance(order, Integral) or order < 0:
-            raise ProblemError(f"order is {order!r}; the degree of the lifting space must be an integer >= 0")
+        most = HIGHEST[disc.mesh.dim]
+        order = disc.order if order is None else Integer(
+            order, "order", f"the degree of the lifting space must be an integer >= 0, at most {most}", least=0, most=most)
         share, rollers = WeakFacets(disc.problem, disc.facets)
         blocks = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
         self.operators, self.space = SparseOperators(blocks), blocks.liftings
 
     def _CheckFacet(self, facet):
-        count = len(self.operators.share)
-        if not isinstance(facet, Integral) or not 0 <= facet < count:
-            raise ProblemError(f"facet is {facet!r}; give the number of one, the mesh has the facets 0 ... {count - 1}")
+        last = len(self.operators.share) - 1
+        Integer(facet, "facet", f"give the number of one, the mesh has the facets 0 ... {last}", least=0, most=last)
 
     def Matrix(self, facet: int | None = None) -> Any:
         """r_0, or r_e of the facet with this number, as a sparse matrix from V_h to Q_h."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from numbers import Integral, Real
 from typing import Any
 
 import numpy as np
@@ -14,9 +13,11 @@ from .calls import ByKeyword
 from .exceptions import ProblemError
 from .memory import CheckCells
 from .names import Meant
+from .values import HIGHEST, Integer, Positive, Reals
 
 CELLS = ("triangle", "triangle-flipped", "quad")
 BOXCELLS = ("tet", "hex", "prism")
+MOST = 2 ** 20      # cells per side; fewer are refused by what memory is free
 # Elements as large as the radius of what they follow, and neighbours of twice the size: with Netgen's own 2 and 0.3 small holes
 # and fillets decide the size of all the mesh, whatever maxh.
 CURVATURE, GRADING = 1, 0.5
@@ -35,11 +36,10 @@ def RectangleMesh(n: int, *, lower: tuple[float, float] = (0, 0), upper: tuple[f
     >>> RectangleMesh(2, cells="triangle").ne
     8
     """
-    _Check(n, cells, CELLS)
-    _CheckCorners(lower, upper, 2)
+    n = _Check(n, cells, CELLS)
+    (x0, y0), (x1, y1) = lower, upper = _Corners(lower, upper, 2)
     CheckCells(n * n * (1 if cells == "quad" else 2))
-    (x0, y0), (x1, y1) = lower, upper
-    return MakeStructured2DMesh(quads=cells == "quad", nx=int(n), ny=int(n), flip_triangles=cells == "triangle-flipped",
+    return MakeStructured2DMesh(quads=cells == "quad", nx=n, ny=n, flip_triangles=cells == "triangle-flipped",
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))
 
 
@@ -56,10 +56,10 @@ def BoxMesh(n: int, *, lower: tuple[float, float, float] = (0, 0, 0), upper: tup
     >>> BoxMesh(2, cells="tet").ne
     48
     """
-    _Check(n, cells, BOXCELLS)
-    _CheckCorners(lower, upper, 3)
+    n = _Check(n, cells, BOXCELLS)
+    lower, upper = _Corners(lower, upper, 3)
     CheckCells(n ** 3 * {"tet": 6, "prism": 2, "hex": 1}[cells])
-    return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=int(n), ny=int(n), nz=int(n),
+    return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=n, ny=n, nz=n,
                                 mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(lower, upper, point)))
 
 
@@ -91,14 +91,13 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
     """
     if not hasattr(shape, "faces") or len(shape.faces) == 0:
         raise ProblemError(f"shape is {shape!r}; give a face or a solid of netgen.occ")
-    if isinstance(maxh, bool) or not isinstance(maxh, Real) or not 0 < maxh < float("inf"):
-        raise ProblemError(f"maxh is {maxh!r}; give the largest size of an element, a positive number")
-    if isinstance(order, bool) or not isinstance(order, Integral) or order < 1:
-        raise ProblemError(f"order is {order!r}; give the order of the geometry, a positive integer")
+    maxh = Positive(maxh, "maxh", "give the largest size of an element, a positive number")
+    order = Integer(order, "order", f"give the order of the geometry, a positive integer of at most {HIGHEST[2]}",
+                    most=HIGHEST[2])
     CheckCells(_Elements(shape, maxh))
     mesh = Mesh(OCCGeometry(shape, dim=3 if len(shape.solids) else 2).GenerateMesh(
         maxh=maxh, curvaturesafety=CURVATURE, grading=GRADING))
-    return mesh.Curve(int(order)) if order > 1 else mesh
+    return mesh.Curve(order) if order > 1 else mesh
 
 
 def _Elements(shape, maxh):
@@ -109,18 +108,15 @@ def _Elements(shape, maxh):
 
 
 def _Check(n, cells, known):
-    if isinstance(n, bool) or not isinstance(n, Integral) or n < 1:
-        raise ProblemError(f"n is {n!r}; the number of cells per side must be a positive integer")
-    if cells not in known:
+    if not isinstance(cells, str) or cells not in known:
         raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(known)}{Meant(str(cells), known)}")
+    return Integer(n, "n", "the number of cells per side must be a positive integer", most=MOST)
 
 
-def _CheckCorners(lower, upper, dim):
+def _Corners(lower, upper, dim):
+    low, high = (Reals(corner, (dim,)) for corner in (lower, upper))
     # NGSolve takes any corners; with upper below lower the elements are inside out, and so are the normals.
-    try:
-        corners = np.array([lower, upper], dtype=float)
-    except (TypeError, ValueError):
-        corners = np.empty(0)
-    if corners.shape != (2, dim) or not np.all(np.isfinite(corners)) or np.any(corners[0] >= corners[1]):
+    if low is None or high is None or np.any(low >= high):
         raise ProblemError(f"lower is {lower!r} and upper is {upper!r}; give two corners of {dim} coordinates each, all of "
                            "them larger in upper")
+    return low.tolist(), high.tolist()

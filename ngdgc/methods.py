@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
-from numbers import Integral
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
 from ngsolve import H1, L2, Mesh, VectorH1, VectorL2
 
 from .calls import ByKeyword
-from .coefficients import IsNumber
 from .exceptions import ProblemError
 from .facetform import FacetForm
 from .lifting import WeakFacets
@@ -19,6 +17,7 @@ from .parallel import Batched
 from .penalty import MARGIN, LargestEigenvalues, Penalty
 from .skeleton import Clamped, Interior, Roller, SkeletonForm
 from .skeletonlifting import LiftedSkeletonForm
+from .values import HIGHEST, Integer, Positive
 
 if TYPE_CHECKING:
     from .problem import ContactProblem
@@ -58,9 +57,8 @@ class DiscontinuousGalerkin:
                      singular: bool = False) -> None: ...
 
     def __post_init__(self) -> None:
-        automatic = isinstance(self.penalty, str) and self.penalty == "auto"
-        if not automatic and not (IsNumber(self.penalty) and 0 < self.penalty < np.inf):
-            raise ProblemError(f"penalty is {self.penalty!r}; give 'auto' or a positive number")
+        if not (isinstance(self.penalty, str) and self.penalty == "auto"):
+            object.__setattr__(self, "penalty", Positive(self.penalty, "penalty", "give 'auto' or a positive number"))
         if self.weighting not in (None, "mu", "C"):
             raise ProblemError(f"weighting is {self.weighting!r}; choose 'mu' or 'C'")
         if self.weighting is not None and self.stabilisation == "lifting":
@@ -73,9 +71,10 @@ class DiscontinuousGalerkin:
     def _CheckLifting(self):
         if not isinstance(self.singular, bool):
             raise ProblemError(f"singular is {self.singular!r}; give True or False")
-        whole = isinstance(self.liftorder, Integral) and not isinstance(self.liftorder, bool)
-        if self.liftorder is not None and not (whole and self.liftorder >= 0):
-            raise ProblemError(f"liftorder is {self.liftorder!r}; it must be an integer of at least 0")
+        if self.liftorder is not None:
+            object.__setattr__(self, "liftorder", Integer(
+                self.liftorder, "liftorder", f"it must be an integer of at least 0, at most {HIGHEST[2]}", least=0,
+                most=HIGHEST[2]))
         liftless = self.form == "edge" and self.stabilisation == "jump" and not self.globallift
         if self.liftorder is not None and liftless:
             raise ProblemError(f"liftorder={self.liftorder} does not apply to the edge form of {self.name}: it lifts nothing; "
@@ -110,7 +109,9 @@ class DiscontinuousGalerkin:
     def Form(self, problem: ContactProblem, facets: Any, space: Any, order: int, assembly: str) -> Any:
         """B_h with E0 = interior facets, Gamma_D and rollers."""
         share, rollers = WeakFacets(problem, facets)
-        liftorder = order if self.liftorder is None else self.liftorder
+        liftorder, most = order if self.liftorder is None else self.liftorder, HIGHEST[facets.mesh.dim]
+        Integer(liftorder, "liftorder", f"in {facets.mesh.dim}D it must be at most {most}, up to which forms are tested",
+                least=0, most=most)
         operators = FacetOperators(problem.material, facets, order, liftorder, share, rollers)
         rule = eta = None
         if self.stabilisation == "jump":

@@ -8,12 +8,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from .calls import ByKeyword
-from .coefficients import RegionName, Scalar, Vector
+from .coefficients import Scalar, Vector
 from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import ProblemError
 from .formula import Described
 from .foundation import Foundation
 from .protocols import Datum, VectorDatum
+from .regions import RegionName
 
 
 @ByKeyword

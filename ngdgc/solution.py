@@ -10,7 +10,7 @@ from .calls import ByKeyword
 from .elasticity import Strain
 from .exceptions import ProblemError
 from .fluxes import Flux
-from .forces import Force, Mean, Traction, Tractions
+from .forces import DisplacementAt, Force, Mean, Traction, Tractions
 from .graph import ZONES, Distance
 from .history import Level, ObservedRate, Rates, Step
 from .report import Plain, Report, Summary
@@ -151,8 +151,8 @@ class ContactSolution:
         return float(self.weights @ self.pressure)
 
     def At(self, *point):
-        """u_h at a point of the body, (d,) [length]."""
-        return np.array(self.gfu(self.disc.mesh(*point)))
+        """u_h at a point of the body, (d,) [length]; ProblemError for a point outside of it."""
+        return DisplacementAt(self, point)
 
     @cached_property
     @AsRead

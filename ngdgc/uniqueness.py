@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from .calls import ByKeyword
+from .equations import CheckDiscretization
 from .exceptions import ProblemError
 from .hypotheses import CheckLaws
 from .solvers.contraction import LargestEigenvalue
@@ -75,6 +76,7 @@ def CheckUniqueness(disc: Discretization, *, depth: float | None = None, slip: f
     >>> report.exists, report.unique, round(report.number, 3)
     (True, True, 0.096)
     """
+    CheckDiscretization(disc)
     if not disc.symmetric:
         raise ProblemError("the method is not symmetric; the theory of uniqueness needs a symmetric compliance operator, "
                            "take a symmetric one")

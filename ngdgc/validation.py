@@ -8,6 +8,7 @@ from .exceptions import ProblemError
 from .facets import VolumePoints
 from .meshchecks import CheckBoundary, CheckElements, CheckSides
 from .quadrature import BoundaryQuadrature
+from .regions import Matching
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
 
@@ -30,12 +31,8 @@ def CheckRegions(problem, mesh, facets):
     CheckSides(facets)
     names, found = np.array(mesh.GetBoundaries()), []
     for kind, region in problem.Regions():
+        Matching(mesh, region, kind, there=facets.boundary[1], note="; Gamma_C would be empty" if kind == "foundation" else "")
         on = facets.On(region)
-        if not on.any():
-            available = ", ".join(sorted(set(names[facets.boundary[1]])))
-            empty = "; Gamma_C would be empty" if kind == "foundation" else ""
-            raise ProblemError(f"{kind} region {region!r} matches no boundary of the mesh{empty}; "
-                               f"choose among {available}")
         for firstkind, firstregion, first in found:
             # A roller prescribes the normal component only, so a tangential traction may act there.
             if np.any(on & first) and {firstkind, kind} != {"roller", "traction"}:

@@ -3,7 +3,8 @@
 import numpy as np
 from conftest import Example
 from mistakes import Disc, On
-from ngsolve import CF, H1, CacheCF, Grad, GridFunction, SurfaceL2, VectorH1, sqrt, x, y
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, H1, CacheCF, Grad, GridFunction, Mesh, SurfaceL2, VectorH1, sqrt, x, y
 
 from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, CoulombFriction, Discretization, HookeMaterial,
                    NormalCompliance, TrescaFriction)
@@ -15,6 +16,19 @@ SURFACE = GridFunction(SurfaceL2(SQUARE, order=1))
 SURFACE.Set(0.01, definedon=SQUARE.Boundaries(".*"))
 SKIN = GridFunction(H1(SQUARE, definedon=SQUARE.Boundaries(".*")))
 NOWHERE = GridFunction(H1(SQUARE, definedon=SQUARE.Materials("elsewhere")))
+
+
+def TwoMaterials():
+    """A modulus for one of two materials."""
+    geometry = SplineGeometry()
+    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"], leftdomain=1)
+    geometry.AddRectangle((0.3, 0.3), (0.7, 0.7), leftdomain=2, rightdomain=1)
+    geometry.SetMaterial(1, "steel")
+    geometry.SetMaterial(2, "rubber")
+    mesh = Mesh(geometry.GenerateMesh(maxh=0.4))
+    return Disc(mesh=mesh, material=HookeMaterial(E=mesh.MaterialCF({"steel": 2000}), nu=0.3))
+
+
 DATA = [
     # Numbers, vectors and regions.
     (lambda _: NormalCompliance(float("inf")), "stiffness is inf | finite number or a CoefficientFunction | give"),
@@ -43,6 +57,8 @@ DATA = [
      "gap contains a function with values on boundary elements only | values in the elements | give one"),
     (lambda _: Disc(mesh=SQUARE, foundation=On(gap=2 * (SURFACE * x).Compile())),
      "gap combines functions of the boundary | sums, products and IfPos | write it with"),
+    (lambda _: TwoMaterials(),
+     "E is 0 in material 'rubber' | MaterialCF has neither value nor default | must be greater than 0"),
     (lambda _: HookeMaterial(E=0, nu=0.3), "E is 0 | greater than 0 | must be"),
     (lambda _: CoulombFriction(-0.1), "coefficient is -0.1 | at least 0 | must be"),
     # Materials.

@@ -7,9 +7,10 @@ from test_interfaces import LINE, RING, Crossed
 from ngdgc import Solve
 
 FORCES = [
-    (lambda _: Solve(Disc()).Force("buttom"), "boundary 'buttom' matches none | bottom, left, right, top | choose"),
+    (lambda _: Solve(Disc()).Force("buttom"),
+     "boundary region 'buttom' matches no boundary | bottom, left, right, top | choose"),
     (lambda _: Solve(Disc()).Mean("(?i)TOP"), "boundary region is '(?i)TOP' | a regular expression | give a name"),
-    (lambda _: Solve(Disc()).Force("top", material="steel"), "material 'steel' matches none | dom | choose"),
+    (lambda _: Solve(Disc()).Force("top", material="steel"), "material region 'steel' matches no material | dom | choose"),
     (lambda _: Solve(Disc(mesh=Layers(2))).Force(".*"),
      "region '.*' has facets on the boundary of the body and facets inside it | one kind | give"),
     (lambda _: Solve(Disc(mesh=Layers(2))).Force("top", material="soft"),

@@ -7,8 +7,8 @@ from mistakes import HELD, SOFT, Disc, On
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, VectorL2, ds, dx, sqrt, x, y
 
-from ngdgc import (LDG, BassiEtAl, Conforming, Discretization, Foundation, HookeMaterial, InteriorPenalty, Lifting,
-                   SemismoothNewtonSolver, Solve, UzawaSolver)
+from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   Lifting, SemismoothNewtonSolver, Solve, UzawaSolver)
 from ngdgc.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.pattern import BlockMatrix
@@ -21,6 +21,18 @@ def Added(make, disc=None):
     """A form made of trial and test function, added to a Discretization."""
     disc = disc or Disc()
     return disc.Add(make(*disc.space.TnT()))
+
+
+def Lifted(liftorder):
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.3), On(), dirichlet={"top": (0, 0, -1)})
+    return Discretization(problem, LDG(liftorder=liftorder), BoxMesh(1))
+
+
+def Renamed(name):
+    """A square whose right side has this name."""
+    mesh = RectangleMesh(2)
+    mesh.ngmesh.SetBCName(mesh.GetBoundaries().index("right"), name)
+    return mesh
 
 
 def Inside():
@@ -111,6 +123,12 @@ PROBLEMS = [
     (lambda _: Discretization("4.1", LDG(), RectangleMesh(1)), "problem is '4.1' | a ContactProblem | give"),
     (lambda _: Disc(InteriorPenalty), "method is <class | an object such as InteriorPenalty() or Conforming() | give"),
     (lambda _: Disc(order=0), "order is 0 | an integer of at least 1 | must be"),
+    (lambda _: Disc(order=9), "order is 9 | in 2D at most 8 | up to which methods are tested"),
+    (lambda _: Lifted(7).form, "liftorder is 7 | in 3D it must be at most 6 | up to which forms are tested"),
+    (lambda _: Disc(foundation=Foundation("(?i)bottom", SOFT)),
+     "foundation region is '(?i)bottom' | which NGSolve does not take for a regular expression | give a name or alternatives"),
+    (lambda _: Disc(dirichlet={"a(1)": SPRING}, mesh=Renamed("a(1)")),
+     "region 'a(1)' is the name of a boundary | letters mean something else | give 'a\\\\(1\\\\)', as re.escape makes it"),
     (lambda _: Disc(assembly="fast"), "assembly is 'fast' | 'facet' or 'skeleton' | choose"),
     (lambda _: Curved(), "the mesh was curved | after the Discretization was made | make a new one"),
     (lambda _: Refined(), "the mesh was refined | after the Discretization was made | make a new one"),

@@ -11,7 +11,8 @@ from conftest import Example
 from mistakes import Block, Disc, Nonsymmetric
 from ngsolve import BilinearForm, dx
 
-from ngdgc import Conforming, Discretization, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver, inverses
+from ngdgc import (Conforming, Discretization, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver,
+                   inverses)
 from ngdgc.facets import Csr, Native
 from ngdgc.iterative import IterativeInverse
 from ngdgc.meshes import BoxMesh
@@ -62,6 +63,7 @@ def Indefinite(disc):
 
 
 SOLVERS = [
+    (lambda _: EstimateContraction(Disc(), np.zeros(4), step=-1), "step is -1 | at some point | give numbers >= 0"),
     # Inverses.
     (lambda _: Disc(inverse="lu").inversekind, "inverse is 'lu' | auto, sparsecholesky | choose"),
     (lambda _: Nonsymmetric().inversekind, "inverse='sparsecholesky' | is for symmetric matrices | take inverse='auto'"),
@@ -90,7 +92,7 @@ SOLVERS = [
     (lambda _: SemismoothNewtonSolver(maxiter=1.5), "maxiter is 1.5 | a positive integer | give"),
     (lambda _: SemismoothNewtonSolver().Solve(None), "disc is None | Discretization(problem, method, mesh, order=1) | give"),
     (lambda _: SemismoothNewtonSolver().Solve(Disc(), start=(1, 2)),
-     "start has shapes [(), ()] | at the contact points | give displacement"),
+     "start is (1, 2) | at the contact points, both (4, 2) and finite | give the pair of displacement"),
     (lambda _: Disc().Solve(callback="print"), "callback is 'print' | a function of a Step | such as print"),
     (lambda _: NestedNewtonSolver(coarser=[4]), "coarser is [4] | a sequence of ngsolve.Mesh, coarse ones first | give"),
     (lambda _: NestedNewtonSolver().Solve(None), "disc is None | Discretization(problem, method, mesh, order=1) | give"),

@@ -8,7 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..calls import ByKeyword
+from ..equations import CheckDiscretization
+from ..exceptions import ProblemError
 from ..protocols import Array
+from ..values import Integer, IsNumber, Number, Positive, Vectors
 
 if TYPE_CHECKING:
     from ..discretization import Discretization
@@ -47,9 +50,19 @@ def EstimateContraction(disc: Discretization, penetration: Array, *, step: float
     >>> EstimateContraction(disc, Solve(disc).penetration).normal < 1
     True
     """
-    contact = disc.contact
+    CheckDiscretization(disc)
+    contact, maxiter = disc.contact, Integer(maxiter, "maxiter", "give a positive integer")
+    tol = Positive(tol, "tol", "give a number between 0 and 1", below=1)
+    count = len(contact.weights)
+    penetration = Vectors(penetration, (count,), "penetration", f"give one number for each of the {count} contact points, such "
+                          "as solution.penetration")
+    if IsNumber(step):
+        step = np.full(count, float(Number(step)))
+    step = Vectors(step, (count,), "step", f"give a number >= 0, or one for each of the {count} contact points")
+    if np.any(step < 0):
+        raise ProblemError(f"step is {step.min():g} at some point; give numbers >= 0")
     stiffness = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]
-    step = np.sqrt(np.broadcast_to(step, contact.weights.shape))[:, None]
+    step = np.sqrt(step)[:, None]
 
     def Normal(values):
         traction = stiffness * values * contact.normals

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..contact import Scale
-from ..discretization import Discretization
+from ..equations import CheckDiscretization
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from ..graph import CheckEnds, Distance, Scales
 from ..history import Step
 from ..resultants import BALANCE
 from ..solution import ContactSolution
+from ..values import Integer, Positive
 
 WINDOW = 10         # iterations over which progress is judged
 NOPROGRESS = 0.97   # best value of a window against the best before: 0.997 per iteration
@@ -37,12 +38,18 @@ def LawResidual(contact, iterate):
 @contextmanager
 def Current(disc):
     """The Discretization with the data of now, for a solver alone; ProblemError if they change while it works."""
-    if not isinstance(disc, Discretization):
-        raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1)")
+    CheckDiscretization(disc)
     with disc.lock:
         current = disc.Current()
         yield current
         current.state.CheckFixed()
+
+
+def CheckLimits(solver):
+    """The solver's tol and maxiter as a float and an integer; ProblemError if they are none."""
+    for name, value in (("tol", Positive(solver.tol, "tol", "give a number between 0 and 1", below=1)),
+                        ("maxiter", Integer(solver.maxiter, "maxiter", "give a positive integer"))):
+        object.__setattr__(solver, name, value)
 
 
 def CheckCallback(callback):

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ..calls import ByKeyword
+from ..equations import CheckDiscretization
 from ..exceptions import NotConvergedError
 from ..graph import Scales
 from ..protocols import Array
+from ..values import Integer
 from .newton import SemismoothNewtonSolver
 from .stiffness import BodyStiffness
 
@@ -39,6 +41,9 @@ def MultiStart(disc: Discretization, *, count: int = 8, seed: int = 0, tol: floa
     >>> len(MultiStart(Discretization(problem, LDG(), RectangleMesh(4), order=1), count=3))
     1
     """
+    CheckDiscretization(disc)
+    count = Integer(count, "count", "give the number of starts, a positive integer")
+    seed = Integer(seed, "seed", "give an integer of at least 0", least=0)
     solver = SemismoothNewtonSolver(tol=tol)
     found: list[ContactSolution] = []
     for start in [None, *Starts(disc, count - 1, seed)]:

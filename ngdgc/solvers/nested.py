@@ -49,7 +49,7 @@ class NestedNewtonSolver:
     coarser: Sequence[Mesh] | None = None
 
     def __post_init__(self) -> None:
-        SemismoothNewtonSolver(tol=self.tol)
+        object.__setattr__(self, "tol", SemismoothNewtonSolver(tol=self.tol).tol)
         if self.coarser is not None:
             if not isinstance(self.coarser, Sequence) or not all(isinstance(mesh, Mesh) for mesh in self.coarser):
                 raise ProblemError(f"coarser is {self.coarser!r}; give a sequence of ngsolve.Mesh, coarse ones first, or None")

@@ -4,17 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from numbers import Integral
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from ..calls import ByKeyword
-from ..coefficients import IsNumber
-from ..exceptions import ProblemError
 from ..protocols import Array
+from ..values import Vectors
 from .correction import CorrectedRun
-from .driver import Current, Drive
+from .driver import CheckLimits, Current, Drive
 from .newtonrun import NewtonRun
 
 if TYPE_CHECKING:
@@ -57,10 +53,7 @@ class SemismoothNewtonSolver:
     maxiter: int = 100
 
     def __post_init__(self) -> None:
-        if not IsNumber(self.tol) or not 0 < self.tol < 1:
-            raise ProblemError(f"tol is {self.tol!r}; give a number between 0 and 1")
-        if isinstance(self.maxiter, bool) or not isinstance(self.maxiter, Integral) or self.maxiter < 1:
-            raise ProblemError(f"maxiter is {self.maxiter!r}; give a positive integer")
+        CheckLimits(self)
 
     def Solve(self, disc: Discretization, *, start: tuple[Array, Array] | None = None,
               callback: Callable[[Step], object] | None = None) -> ContactSolution:
@@ -73,8 +66,8 @@ class SemismoothNewtonSolver:
         """
         with Current(disc) as disc:
             shape = disc.contact.normals.shape
-            if start is not None and [np.shape(part) for part in start] != [shape, shape]:
-                raise ProblemError(f"start has shapes {[np.shape(part) for part in start]}; give displacement and traction at "
-                                   f"the contact points, both {shape}")
+            if start is not None:
+                start = tuple(Vectors(start, (2, *shape), "start", "give the pair of displacement and traction at the contact "
+                                      f"points, both {shape} and finite"))
             run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(self, disc, start)
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from numbers import Integral
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
 from ..calls import ByKeyword
-from ..coefficients import IsNumber
 from ..exceptions import ProblemError
 from ..hypotheses import BoundDerivatives, SlipFactor
+from ..values import IsNumber, Positive
 from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
-from .driver import Current, Drive, Iterate
+from .driver import CheckLimits, Current, Drive, Iterate
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
 
 if TYPE_CHECKING:
@@ -92,16 +91,14 @@ class UzawaSolver:
             raise ProblemError(f"normal is {self.normal!r}; choose 'explicit' or 'implicit'")
         if self.acceleration not in (None, "anderson"):
             raise ProblemError(f"acceleration is {self.acceleration!r}; choose None or 'anderson'")
-        if self.rho == "adaptive":
+        if isinstance(self.rho, str) and self.rho == "adaptive":
             if self.normal == "explicit" or self.acceleration:
                 raise ProblemError("rho is 'adaptive', which is for normal='implicit' without acceleration: Anderson's needs "
                                    "steps that are all alike; take rho='auto', or change these")
-        elif not (self.rho == "auto" or IsNumber(self.rho) and 0 < self.rho < np.inf):
-            raise ProblemError(f"rho is {self.rho!r}; give 'auto', a positive number, or with normal='implicit' 'adaptive'")
-        if not IsNumber(self.tol) or not 0 < self.tol < 1:
-            raise ProblemError(f"tol is {self.tol!r}; give a number between 0 and 1")
-        if not isinstance(self.maxiter, Integral) or self.maxiter < 1:
-            raise ProblemError(f"maxiter is {self.maxiter!r}; give a positive integer")
+        elif not (isinstance(self.rho, str) and self.rho == "auto"):
+            object.__setattr__(self, "rho", Positive(
+                self.rho, "rho", "give 'auto', a positive number, or with normal='implicit' 'adaptive'"))
+        CheckLimits(self)
 
     def Solve(self, disc: Discretization, *, callback: Callable[[Step], object] | None = None) -> ContactSolution:
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step`.

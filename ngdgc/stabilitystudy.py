@@ -91,6 +91,7 @@ def _LiftingWords(bounds):
     return f"Liftings: {bounds.c:.3g} |h^-1/2 [v]|_e <= |r_e([v])| <= {bounds.C:.3g} |h^-1/2 [v]|_e"
 
 
+@ByKeyword
 def Table(rows):
     """Lines of the table of Constants."""
     return Aligned([HEAD, *map(_Cells, rows)], numbers=True)

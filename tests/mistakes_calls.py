@@ -13,7 +13,7 @@ CALLS = [
     (lambda _: HookeMaterial(2000, 0.3), "HookeMaterial(...): 2000, 0.3 by position | given by name | E=2000, nu=0.3"),
     (lambda _: Discretization(None, LDG(), None, 2), "Discretization(...): 2 by position | give it by name | order=2"),
     (lambda _: LDG(30), "LDG(...): 30 by position | its arguments are given by name | penalty=30"),
-    (lambda _: RectangleMesh(2, cell="quad"), "no argument 'cell' | choose among n, lower, upper, cells | did you mean 'cells'?"),
+    (lambda _: RectangleMesh(2, cell="quad"), "no argument 'cell' | choose among n, lower, upper | did you mean 'cells'?"),
     (lambda _: HookeMaterial(poisson=0.3), "HookeMaterial | no argument 'poisson' | choose among E, nu, mu, lam"),
     (lambda _: Solve(Disc()).Report(width=3), "Report(...) | there is no argument 'width' | leave it out"),
     (lambda _: NormalCompliance(1, stiffness=3), "stiffness is given twice | by position and by name | give it once"),

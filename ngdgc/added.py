@@ -7,6 +7,7 @@ from ngsolve import BilinearForm, LinearForm, Norm
 
 from .exceptions import ProblemError
 from .facets import Csr, Threads
+from .meshchecks import CheckSkeleton
 
 SPELLING = "write dx, dx(skeleton=True) between elements of a discontinuous method, or ds(skeleton=True, definedon=...)"
 # How NGSolve prints the integrators of these: over elements, and over facets.
@@ -22,8 +23,8 @@ class AddedForms:
     matrix : the sum of the bilinear forms, scipy CSR (ndof, ndof), or None;  load : that of the linear ones (ndof,), or None
     """
 
-    def __init__(self, space, forms=(), parts=()):
-        self.space, self._forms, self._parts = space, list(forms), list(parts)
+    def __init__(self, space, facets, forms=(), parts=()):
+        self.space, self.facets, self._forms, self._parts = space, facets, list(forms), list(parts)
 
     def __bool__(self):
         return bool(self._forms)
@@ -47,7 +48,7 @@ class AddedForms:
         """The same forms with the values that Parameters in them have now: this object if they are what they were."""
         parts = [self._Assembled(form) for form in self._forms]
         same = all(np.array_equal(getattr(new, "data", new), getattr(old, "data", old)) for new, old in zip(parts, self._parts))
-        return self if same else AddedForms(self.space, self._forms, parts)
+        return self if same else AddedForms(self.space, self.facets, self._forms, parts)
 
     @cached_property
     def matrix(self):
@@ -75,11 +76,13 @@ class AddedForms:
     def _CheckIntegrals(self, form):
         """Every integral is over elements or facets, and is not 0, as integrals over boundary elements are on these spaces."""
         for number, integrator in enumerate(form.integrators, start=1):
-            alone = type(form)(self.space) if str(integrator).strip() in INTEGRATORS else None
-            if alone is not None:
+            kind, alone, part = str(integrator).strip(), type(form)(self.space), np.zeros(1)
+            if kind == "Integrator":
+                CheckSkeleton(self.facets)
+            if kind in INTEGRATORS:
                 alone += integrator
                 part = self._Assembled(alone)
-            if alone is None or not np.any(getattr(part, "data", part)):
+            if not np.any(getattr(part, "data", part)):
                 raise ProblemError(f"integral {number} of the form is 0, or none of those that can be added: ds alone has no "
                                    f"values of a discontinuous function; {SPELLING}")
 

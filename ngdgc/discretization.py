@@ -81,7 +81,7 @@ class Discretization(LinearEquations):
         self.facets = Facets(mesh)
         CheckRegions(problem, mesh, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
-        self.added = AddedForms(self.space)
+        self.added = AddedForms(self.space, self.facets)
         self._Read()
 
     def _Read(self):

@@ -12,6 +12,22 @@ SUM, PRODUCT, ATOM = range(3)   # how tightly a formula holds together
 LEVELS = {"+": SUM, "-": SUM, "*": PRODUCT, "/": PRODUCT}
 
 
+# What NGSolve prints of functions made of numbers and coordinates alone.
+PLAIN = re.compile(r"""coef\ |[-\d.e+]+\*\(|\)|(unary|binary)\ operation\ '[^']*'|coordinate\ [xyz]|scale\ |Vectorial(?=Coef)|
+                       Zero(CF)?|CoefficientFunction|N5ngfem(24IfPos|23Norm)CoefficientFunctionE|innerproduct,\ fix\ size\ =|
+                       real|dims?=|[-\d.e+x]+|inf|nan|[,\s]""", re.VERBOSE)
+
+
+def Plain(function):
+    """True if a CoefficientFunction is made of numbers and coordinates alone, which it is not if that cannot be told.
+
+    >>> from ngsolve import CF, Parameter, x
+    >>> Plain(CF((1, 2 * x))), Plain(CF((1, Parameter(2) * x)))
+    (True, False)
+    """
+    return not PLAIN.sub("", str(function))
+
+
 def Formula(function):
     """A CoefficientFunction as a formula, `CF(dim=2)` and the like for what is no short one.
 

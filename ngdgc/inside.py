@@ -13,6 +13,7 @@ from ngsolve import (BND, CF, QUAD, SEGM, TRIG, VOL, BoundaryFromVolumeCF, Coeff
                      GridFunction, IfPos, IntegrationRule)
 
 from .exceptions import ProblemError
+from .formula import Plain
 
 # Nodes of expressions that have one value on a boundary, whatever they are seen from.
 EVERYWHERE = ("CoordCoefficientFunction", "ConstantCoefficientFunction", "ParameterCoefficientFunction",
@@ -28,12 +29,15 @@ def FromInside(value, region, name):
     value : number or CoefficientFunction;  region : mesh.Boundaries(...);  name : of the datum, for messages
     Raises ProblemError for a function that has no values there.
     """
-    return _Translation(region, name).Of(CF(value))
+    value = CF(value)
+    return value if Plain(value) else _Translation(region, name).Of(value)
 
 
 def OnBoundary(value, region, name):
     """The same for points of boundary elements, and for NGSolve's `Set` there."""
     value, translation = CF(value), _Translation(region, name)
+    if Plain(value):
+        return value
     seen = translation.Of(value)
     # Coordinates stay those of the boundary element: sqrt(1 - x) is not to fail at x = 1 by the round-off of another map.
     return value if translation.everywhere else BoundaryFromVolumeCF(seen)

@@ -14,6 +14,7 @@ from netgen.libngpy._meshing import NgException
 from ngsolve import CoefficientFunction, GridFunction, Parameter
 
 from .exceptions import ProblemError
+from .formula import Plain
 
 
 def Leaves(function):
@@ -21,6 +22,8 @@ def Leaves(function):
 
     Not those below the few operations, such as Interpolate, whose operands NGSolve does not tell.
     """
+    if not isinstance(function, CoefficientFunction) or Plain(function):    # what NGSolve prints is a hundred times cheaper
+        return []
     seen, todo, found = {}, [function], []
     while todo:
         one = todo.pop()

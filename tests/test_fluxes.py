@@ -8,7 +8,7 @@ from test_forms import GRADED, Distorted
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, IncompleteInteriorPenalty,
                    InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver, Solve,
-                   TrescaFriction)
+                   TrescaFriction, added)
 from ngdgc.facets import RigidMotions
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -171,3 +171,15 @@ def test_forms_without_values_on_boundary_elements_are_refused(make):
     one.Set((1, 0))
     ones = one.vec.FV().NumPy()
     assert ones @ (disc.added.matrix @ ones) == pytest.approx(1, rel=1e-12)
+
+
+def test_forms_on_sides_ask_whether_every_boundary_element_is_one(monkeypatch):
+    """On any mesh, before anything is assembled; forms in the elements do not."""
+    asked = []
+    monkeypatch.setattr(added, "CheckSkeleton", asked.append)
+    disc = Discretization(Example(), LDG(), RectangleMesh(2), order=1)
+    u, v = disc.space.TnT()
+    disc.Add(BilinearForm(u * v * dx))
+    assert asked == []
+    disc.Add(BilinearForm(u * v * ds(skeleton=True, definedon="left")))
+    assert asked == [disc.facets]

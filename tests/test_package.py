@@ -22,7 +22,7 @@ LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfac
           ["files", "memory", "names", "report", "values"], ["calls", "regions", "userlaws"],
           ["inside"], ["casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
-          ["problem", "facets"], ["meshchecks"], ["quadrature", "added", "equations", "state"], ["storage"],
+          ["problem", "facets"], ["meshchecks", "state"], ["quadrature", "added", "equations"], ["storage"],
           ["shapes", "pattern", "skeleton", "contact", "validation", "restraints", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["cycles"], ["methods", "solenoidal"],

@@ -5,11 +5,13 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from ngsolve import CF, H1, L2, BilinearForm, GridFunction, IfPos, Parameter, VectorH1, dx, x, y
+from ngsolve import (CF, H1, L2, BilinearForm, BoundaryFromVolumeCF, GridFunction, IfPos, Parameter, VectorH1, dx, grad,
+                     specialcf, x, y)
 
 from ngdgc import (LDG, AnisotropicMaterial, ComplianceLaw, Conforming, ContactProblem, CoulombFriction, Discretization,
                    Foundation, HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance, NotConvergedError, ProblemError,
                    SemismoothNewtonSolver, Solve, UzawaSolver)
+from ngdgc.formula import Plain
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.state import Leaves
 
@@ -239,3 +241,15 @@ def test_a_solution_out_of_equilibrium_is_not_converged(solver, monkeypatch):
     with pytest.raises(NotConvergedError, match=r"A u - f \+ T' W t is .* of its terms.*sparsecholesky") as failure:
         solver.Solve(Sprung())
     assert not failure.value.solution.converged and failure.value.solution.EquilibriumResidual() > 1e-3
+
+
+def test_what_is_printed_tells_numbers_and_coordinates_from_the_rest():
+    """The quick look that spares taking functions apart takes none as plain that may change, or has another value inside."""
+    mesh, a = RectangleMesh(2), Parameter(2.0)
+    field = GridFunction(H1(mesh))
+    for function in (CF((0.05, -0.1)), IfPos(x - 0.5, 1, 0), x ** 2 / 3 - y, CF((0, 0)), 1e-30 * x, CF(float("nan"))):
+        assert Plain(function)
+    for function in (a * x, field, CF((x, 2 * field)), grad(field)[0], specialcf.normal(2), mesh.MaterialCF({".*": 1}),
+                     IfPos(a, x, y), mesh.BoundaryCF({"left": 1}), (x * x).Compile(), specialcf.mesh_size,
+                     BoundaryFromVolumeCF(x)):
+        assert not Plain(function)

@@ -16,7 +16,7 @@ from .resultants import BALANCE
 
 KINDS = {"method": str, "arguments": dict, "order": int, "assembly": str, "inverse": str, "added": bool, "converged": bool,
          "solver": str, "summary": dict}
-LAW = 1e-8          # difference of a law residual and the one that was recorded, besides a thousandth of it
+LAW = 1e-6          # difference of a law residual and the one that was recorded, besides a thousandth of it
 
 
 def Keep(solution, folder):
@@ -28,7 +28,8 @@ def Keep(solution, folder):
     penetration, slip = solution.penetration, disc.contact.Slip(solution.displacement)
     arrays = {"vector": solution.vector, "traction": solution.traction, "penetration": penetration, "slip": slip,
               "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(-1, 5),
-              **dict(Fingerprint(solution, penetration, slip))}
+              "dofs": _Dofs(disc.space) if disc.mesh.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
+              **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
              "inverse": disc.wanted, "added": bool(disc.added),
@@ -38,7 +39,7 @@ def Keep(solution, folder):
 
 def Open(folder, problem, added):
     """(Discretization, {name: array}, dictionary) of a folder, for a problem and forms that are compared later."""
-    mesh, arrays, words = storage.Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", *NAMES))
+    mesh, arrays, words = storage.Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", "dofs", *NAMES))
     _CheckArrays(arrays, f"the solution in {folder}")
     kind = {method.__name__: method for method in METHODS.values()}.get(words["method"])
     if kind is None or not set(words["arguments"]) <= {field.name for field in fields(kind)}:
@@ -57,9 +58,25 @@ def Open(folder, problem, added):
     return disc, arrays, words
 
 
-def Compare(folder, solution, arrays):
+def Numbering(disc, arrays):
+    """Which number in the arrays the dofs have, (ndof,): another one where a conforming method's mesh was refined in parts.
+
+    Edges are numbered after those of their parents, which have gone from the mesh that was read.
+    """
+    numbering = np.arange(disc.space.ndof)
+    if len(arrays["dofs"]):
+        numbering[_Dofs(disc.space)] = arrays["dofs"]
+    return numbering
+
+
+def _Dofs(space):
+    """The dofs of all elements, one after the other."""
+    return np.concatenate([element.dofs for element in space.Elements()])
+
+
+def Compare(folder, solution, arrays, numbering):
     """Raise ProblemError unless a solution is of the problem whose arrays were kept, and solves it as far as it claims to."""
-    for name, values in Fingerprint(solution, arrays["penetration"], arrays["slip"]):
+    for name, values in Fingerprint(solution, arrays["penetration"], arrays["slip"], numbering):
         if Differs(arrays[name], values):
             raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ; "
                                "give the one it was saved with")

@@ -14,12 +14,13 @@ ORDER = 4           # of the quadrature at whose points boundary data are compar
 DEPTHS = np.logspace(-6, 0, 13)                 # penetrations and slips at which laws are compared, relative to Gamma_C,
 PARTS = np.array([0.25, 0.5, 0.75, 1, 2, 4])    # and to the largest ones of the solution
 NAMES = ("points", "gaps", "loads", "energies", "pressures", "bounds", "laws", "regions", "dirichlet values", "roller values",
-         "traction values", "body forces", "moduli", "equations", "added forms")
+         "traction values", "body forces", "moduli", "added forms", "equations")
 
 
-def Fingerprint(solution, penetration, slip):
+def Fingerprint(solution, penetration, slip, numbering):
     """(name, array) for all `NAMES`, each computed when it is asked for.
 
+    numbering : (ndof,), which number the dofs have in the arrays
     penetration, slip : (n,), those that the solution had when it was saved; p_n of computed ones would, where it is stiff,
         tell no more than round-off
     """
@@ -27,7 +28,7 @@ def Fingerprint(solution, penetration, slip):
     problem, contact = disc.problem, disc.contact
     yield "points", contact.coordinates
     yield "gaps", contact.gap
-    yield "loads", disc.load
+    yield "loads", _Renumbered(disc.load, numbering)
     yield "energies", np.array([solution.energy])
     yield "pressures", contact.Pressure(penetration)
     yield "bounds", contact.Bound(penetration, slip)
@@ -37,8 +38,8 @@ def Fingerprint(solution, penetration, slip):
         yield f"{kind} values", _Prescribed(disc, kind, at)
     yield "body forces", _ByElement(disc.mesh, [] if problem.bodyforce is None else list(problem.bodyforce))
     yield "moduli", _Material(disc)
-    yield "equations", _Products(disc.Multiply, disc.space.ndof)
-    yield "added forms", _Added(disc)
+    yield "added forms", _Added(disc, numbering)
+    yield "equations", _Products(disc, numbering)
 
 
 def Differs(stored, found):
@@ -114,17 +115,25 @@ def _Material(disc):
     return _ByElement(disc.mesh, [stress[int(i), int(j)] for i, j in zip(*upper)])
 
 
-def _Products(Multiply, ndof):
+def _Renumbered(vector, numbering):
+    """The coefficients of a vector (ndof,) in the order of the arrays."""
+    renumbered = np.empty_like(vector)
+    renumbered[numbering] = vector
+    return renumbered
+
+
+def _Products(disc, numbering):
     """x'A y for four pairs of vectors, (4,)."""
-    vectors = np.random.default_rng(1).standard_normal((4, 2, ndof))
-    return np.array([left @ Multiply(right) for left, right in vectors])
+    vectors = np.random.default_rng(1).standard_normal((4, 2, disc.space.ndof))[..., numbering]
+    return np.array([left @ disc.Multiply(right) for left, right in vectors])
 
 
-def _Added(disc):
+def _Added(disc, numbering):
     """A of the added bilinear forms applied to a vector, and f of the linear ones, two tables (2, ndof, 1), or none."""
     if not disc.added:
         return np.zeros((0, 1, 1))
     ndof = disc.space.ndof
-    vector = np.random.default_rng(2).standard_normal(ndof)
+    vector = np.random.default_rng(2).standard_normal(ndof)[numbering]
     applied = np.zeros(ndof) if disc.added.matrix is None else disc.added.matrix @ vector
-    return np.array([applied, np.zeros(ndof) if disc.added.load is None else disc.added.load])[..., None]
+    load = np.zeros(ndof) if disc.added.load is None else disc.added.load
+    return np.array([_Renumbered(part, numbering) for part in (applied, load)])[..., None]

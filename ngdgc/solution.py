@@ -250,11 +250,12 @@ class ContactSolution:
         """
         disc, arrays, words = archive.Open(folder, problem, added)
         history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
-        predicted = words["summary"]["contraction"]["predicted"]
-        solution = cls(disc, arrays["vector"], arrays["traction"], history=history, converged=words["converged"],
+        predicted = words["summary"].get("contraction", {}).get("predicted")
+        numbering = archive.Numbering(disc, arrays)
+        solution = cls(disc, arrays["vector"][numbering], arrays["traction"], history=history, converged=words["converged"],
                        solver=words["solver"], Predict=lambda: predicted)
-        solution.levels = [Level(**level) for level in words["summary"]["levels"]]
-        archive.Compare(folder, solution, arrays)
+        solution.levels = [Level(**level) for level in words["summary"].get("levels", [])]
+        archive.Compare(folder, solution, arrays, numbering)
         return solution
 
 

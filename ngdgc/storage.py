@@ -20,7 +20,7 @@ import numpy as np
 from ngsolve import IntegrationRule, Mesh
 
 from .exceptions import ProblemError
-from .facets import Coordinates, VolumePoints
+from .facets import Coordinates, SecondOrder, VolumePoints
 from .quadrature import BOUNDARY_TYPES
 
 FORMAT = 1
@@ -37,7 +37,7 @@ def Write(folder, mesh, arrays, description):
     if mesh.deformation is not None:
         raise ProblemError("the mesh has a deformation (SetDeformation), which its file does not keep; save solutions of "
                            "meshes whose points are where they should be")
-    words = {"format": FORMAT, **description, "ngsolve": version("ngsolve")}
+    words = {"format": FORMAT, **description, "ngsolve": version("ngsolve"), "secondorder": SecondOrder(mesh)}
     # default: numpy numbers and fractions among the arguments of a method
     words = json.loads(json.dumps(words, default=lambda value: int(value) if isinstance(value, Integral) else float(value)))
     with _Replacing(folder) as place:
@@ -52,7 +52,7 @@ def Read(folder, kinds, names):
 
     kinds : {name: type} of what the dictionary must have;  names : of the arrays that there must be
     """
-    kinds = {"ngsolve": str, "digests": dict, **kinds}
+    kinds = {"ngsolve": str, "secondorder": bool, "digests": dict, **kinds}
     try:
         folder = Path(folder)
         words = json.loads((folder / WORDS).read_text(encoding="utf-8"))
@@ -78,7 +78,12 @@ def Read(folder, kinds, names):
     if changed := [name for name in FILES if found[name] != words["digests"].get(name)]:
         raise ProblemError(f"{folder} is damaged: {changed[0]} is not what was saved, or not there; give a folder as "
                            "ContactSolution.Save has left it")
-    return Mesh(str(folder / (EXACT if words["ngsolve"] == version("ngsolve") else MESH))), arrays, words
+    if words["ngsolve"] == version("ngsolve"):
+        return Mesh(str(folder / EXACT)), arrays, words
+    if words["secondorder"]:
+        raise ProblemError(f"{folder} has a mesh of second order, whose text file is incomplete: it is read by NGSolve "
+                           f"{words['ngsolve']} alone, which saved it; take that, or curve a mesh instead")
+    return Mesh(str(folder / MESH)), arrays, words
 
 
 def _Digests(folder, words):
@@ -145,7 +150,7 @@ def _WriteMesh(mesh, folder):
     if not _Same(mesh, found):
         raise ProblemError("the mesh cannot be kept in a file: read back, its elements lie elsewhere; curve it after it was "
                            "refined, not before")
-    mesh.ngmesh.Save(str(folder / MESH))
+    found.ngmesh.Save(str(folder / MESH))
     _CheckRoom(folder / MESH)
 
 

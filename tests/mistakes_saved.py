@@ -9,7 +9,8 @@ from mistakes import Disc
 from netgen.occ import Circle, OCCGeometry
 from ngsolve import BilinearForm, GridFunction, Mesh, VectorH1, dx
 
-from ngdgc import Conforming, ContactSolution, InteriorPenalty, Solve
+from ngdgc import (Conforming, ContactProblem, ContactSolution, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, Solve, TrescaFriction)
 from ngdgc.meshes import RectangleMesh
 from ngdgc.storage import Write
 
@@ -62,6 +63,17 @@ def CurvedBefore(folder):
     Write(folder, mesh, {}, {})
 
 
+def OnRing(folder):
+    """A disc on a ring of foundation, its mesh of second order."""
+    shape = Circle((0, 0), 1).Face()
+    shape.edges.name = "ring"
+    netgen = OCCGeometry(shape, dim=2).GenerateMesh(maxh=0.5)
+    netgen.SecondOrder()
+    ring = Foundation("ring", NormalCompliance(1000), friction=TrescaFriction(1), gap=-0.01)
+    Solve(Discretization(ContactProblem(HookeMaterial(E=100, nu=0.3), ring), InteriorPenalty(), Mesh(netgen))).Save(folder)
+    return folder
+
+
 class Own(InteriorPenalty):
     """A method of a user's own."""
 
@@ -112,4 +124,7 @@ SAVED = [
      "cannot save into | a folder that can be written | give"),
     (lambda folder: Solve(Disc(Own())).Save(folder), "method is Own() | which a file cannot name | keep solution.vector"),
     (lambda folder: Deformed(folder), "the mesh has a deformation | its file does not keep | save solutions of"),
-    (lambda folder: CurvedBefore(folder), "the mesh cannot be kept in a file | its elements lie elsewhere | curve it after")]
+    (lambda folder: CurvedBefore(folder),
+     "the mesh cannot be kept in a file | its elements lie elsewhere | curve it after"),
+    (lambda folder: ContactSolution.Load(Edited(OnRing(folder), words={"ngsolve": "6.1"}), Example()),
+     "has a mesh of second order | it is read by NGSolve 6.1 alone | take that, or curve a mesh instead")]

@@ -161,7 +161,7 @@ def Tiny():
 MESHES = {"curved": lambda: Disc(3), "spline": lambda: Disc(4, spline=True), "second": lambda: Disc(second=True),
           "second spline": lambda: Disc(second=True, spline=True), "refined": lambda: Disc(refined=2),
           "refined and curved": lambda: Disc(3, refined=1), "hole": lambda: Plate(), "quarter": lambda: Ring(2, 0.7),
-          "tiny": Tiny, "solid": lambda: Sphere3(3), "solid second": lambda: Sphere3(second=True), "csg": Ball,
+          "tiny": Tiny, "solid": lambda: Sphere3(2), "solid second": lambda: Sphere3(second=True), "csg": Ball,
           "hex": lambda: BoxMesh(2, cells="hex"), "prism": lambda: BoxMesh(2, cells="prism"),
           "quad": lambda: RectangleMesh(3, cells="quad"), "names": lambda: Named(RectangleMesh(2), "a (ring)\nof, two | lines")}
 REGIONS = {"hole": "hole", "quarter": "inner|outer", "csg": "rim", "hex": "bottom", "prism": "bottom", "quad": "bottom",

@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from conftest import EIGHT
 from mistakes_saved import Edited
+from netgen.csg import CSGeometry, Pnt
+from netgen.csg import Sphere as Ball
 from netgen.geom2d import SplineGeometry
 from netgen.occ import Circle, OCCGeometry, Sphere
 from ngsolve import CF, BilinearForm, LinearForm, Mesh, ds, dx, x, y
-from test_contact import Ball, Plate
+from test_contact import Plate
 from test_forms import Ring
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
@@ -149,6 +151,13 @@ def Sphere3(curve=1, second=False):
     return Mesh(netgen).Curve(curve) if curve > 1 else Mesh(netgen)
 
 
+def Solid():
+    """The same by another of Netgen's geometries, whose file names materials otherwise."""
+    geometry = CSGeometry()
+    geometry.Add(Ball(Pnt(0, 0, 0), 1).bc("rim"))
+    return Mesh(geometry.GenerateMesh(maxh=0.9)).Curve(2)
+
+
 def Named(mesh, name):
     mesh.ngmesh.SetBCName(0, name)
     return mesh
@@ -161,7 +170,7 @@ def Tiny():
 MESHES = {"curved": lambda: Disc(3), "spline": lambda: Disc(4, spline=True), "second": lambda: Disc(second=True),
           "second spline": lambda: Disc(second=True, spline=True), "refined": lambda: Disc(refined=2),
           "refined and curved": lambda: Disc(3, refined=1), "hole": lambda: Plate(), "quarter": lambda: Ring(2, 0.7),
-          "tiny": Tiny, "solid": lambda: Sphere3(2), "solid second": lambda: Sphere3(second=True), "csg": Ball,
+          "tiny": Tiny, "solid": lambda: Sphere3(2), "solid second": lambda: Sphere3(second=True), "csg": Solid,
           "hex": lambda: BoxMesh(2, cells="hex"), "prism": lambda: BoxMesh(2, cells="prism"),
           "quad": lambda: RectangleMesh(3, cells="quad"), "names": lambda: Named(RectangleMesh(2), "a (ring)\nof, two | lines")}
 REGIONS = {"hole": "hole", "quarter": "inner|outer", "csg": "rim", "hex": "bottom", "prism": "bottom", "quad": "bottom",

@@ -90,13 +90,13 @@ def _Regions(disc):
 
 def _Prescribed(disc, kind, at):
     """Values of dirichlet, roller or traction on all its regions, in the order of the facets, (n, components)."""
-    found = [(BoundaryQuadrature.On(disc.facets, region, ORDER), value, f"{kind}[{region!r}]")
+    found = [(BoundaryQuadrature.On(disc.facets, region, ORDER), value, f"{kind}[{region!r}]", disc.mesh.Boundaries(region))
              for region, value in getattr(disc.problem, kind).items()]
     if not found:
         return np.zeros((0, 1))
-    values = np.concatenate([at(value, quadrature.points, name).reshape(len(quadrature.points), -1)
-                             for quadrature, value, name in found])
-    return values[np.argsort(np.concatenate([quadrature.facets for quadrature, _, _ in found]), kind="stable")]
+    values = np.concatenate([at(value, quadrature.points, name, region).reshape(len(quadrature.points), -1)
+                             for quadrature, value, name, region in found])
+    return values[np.argsort(np.concatenate([quadrature.facets for quadrature, *_ in found]), kind="stable")]
 
 
 def _ByElement(mesh, functions):

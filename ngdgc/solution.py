@@ -235,8 +235,8 @@ class ContactSolution:
         What was saved there before is replaced at the end, or kept if that fails.  Raises ProblemError if the folder cannot be
         written, and for what a file cannot keep: a method of your own, a deformation of the mesh.
         """
-        self.state.CheckFixed()
-        archive.Keep(self, folder)
+        with self.state.Restored():
+            archive.Keep(self, folder)
 
     @classmethod
     def Load(cls, folder, problem, *, added=()):

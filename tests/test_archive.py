@@ -14,7 +14,7 @@ from netgen.csg import CSGeometry, Pnt
 from netgen.csg import Sphere as Ball
 from netgen.geom2d import SplineGeometry
 from netgen.occ import Circle, OCCGeometry, Sphere
-from ngsolve import CF, BilinearForm, LinearForm, Mesh, ds, dx, x, y
+from ngsolve import CF, BilinearForm, LinearForm, Mesh, Parameter, ds, dx, x, y
 from test_contact import Plate
 from test_forms import Ring
 
@@ -66,6 +66,18 @@ def test_the_same_problem_may_be_written_in_another_way(tmp_path):
                       Held(roller={"left|right": 0})):
             with pytest.raises(ProblemError, match="another problem: its regions differ"):
                 ContactSolution.Load(tmp_path, other)
+
+
+def test_parameters_are_kept_as_they_were_solved_with(tmp_path):
+    """A Parameter that was set anew since is none of the solution's: its values of then are compared, in every datum."""
+    for name in ("E", "k", "mu", "gap", "top", "side", "pull", "weight"):
+        value = Parameter(DATA[name])
+        solution = Solve(Discretization(Problem(**{name: value}), InteriorPenalty(), RectangleMesh(2)))
+        value.Set(1.5 * DATA[name])
+        solution.Save(tmp_path)
+        assert ContactSolution.Load(tmp_path, Problem()).normalforce == pytest.approx(solution.normalforce, rel=1e-12)
+        with pytest.raises(ProblemError, match="another problem"):
+            ContactSolution.Load(tmp_path, Problem(**{name: value}))
 
 
 def test_laws_that_agree_at_the_solution_alone_are_others(tmp_path):

@@ -3,6 +3,7 @@
 import argparse
 import inspect
 import sys
+from contextlib import nullcontext
 from pathlib import Path
 
 from . import __version__
@@ -37,7 +38,7 @@ SCARCE = "bad_alloc", "Could not allocate", "failed to map segment", "start new 
 
 def Main(arguments=None):
     """Entry point; returns the exit code."""
-    with SIGNALS, Console() as console:
+    with SIGNALS.Ending() if arguments is None else nullcontext(), SIGNALS, Console() as console:
         try:
             return console.Code(_Code(arguments))
         except SystemExit as stop:      # of the parser: a mistake, or help

@@ -56,6 +56,16 @@ class Signals:
             self._waits = False
             signal.default_int_handler(self.received or signal.SIGINT, None)
 
+    @contextmanager
+    def Ending(self) -> Iterator[None]:
+        """For the last thing that a process does: once asked to stop it is deaf, and its exit code is that of the command."""
+        try:
+            yield
+        finally:
+            if self.received is not None:
+                for number in ASKING:
+                    signal.signal(number, signal.SIG_IGN)
+
     @property
     def code(self) -> int:
         """The exit code of a command that was stopped: 130 for Ctrl-C, 143 for a polite kill."""

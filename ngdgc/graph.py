@@ -103,10 +103,16 @@ class ContactGraph:
 
 @dataclass(frozen=True)
 class GraphDistance:
-    """Distance of pairs (u, t) to the graph, (n,), no unit, and the zones of the points of the graph they belong to, (n,)."""
+    """Distance of pairs (u, t) to the graph, (n,), no unit, and the zones of the points of the graph they belong to, (n,).
+
+    pressure (n,), friction (n, d) : normal and tangential part of t [stress], exactly 0 in separation and where p_t = 0; that
+        is without what round-off, or an iteration on its way, leaves there, and pressure > 0 is the contact zone
+    """
 
     distance: np.ndarray
     zones: np.ndarray
+    pressure: np.ndarray
+    friction: np.ndarray
 
 
 def Scales(contact, displacement, traction):
@@ -160,7 +166,9 @@ def Distance(contact, displacement, traction):
     straight = (off < along) & (slid > 0)
     sliding |= straight
     distance = np.maximum(distance, np.where(straight, off, along) / uscale)
-    return GraphDistance(distance, np.where(pressure <= 0, SEPARATION, np.where(sliding, SLIP, STICK)))
+    zones = np.where(pressure <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
+    pressure = np.where(zones == SEPARATION, 0, np.where(t <= 0, pressure, t))
+    return GraphDistance(distance, zones, pressure, np.where(limit[:, None] > 0, friction, 0))
 
 
 def _Outer(a, b):

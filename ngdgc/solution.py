@@ -47,8 +47,7 @@ class ContactSolution:
         return self.disc.state
 
     def __repr__(self):
-        state = "converged" if self.converged else "not converged"
-        return f"ContactSolution({self.disc!r}, {state} after {len(self.history)} iterations)"
+        return f"ContactSolution({self.disc!r}, {'' if self.converged else 'not '}converged after {len(self.history)} iterations)"
 
     def __reduce_ex__(self, protocol):
         raise ProblemError("a ContactSolution belongs to a mesh and a factorised matrix, which are not copied or pickled; take "
@@ -115,15 +114,19 @@ class ContactSolution:
         """u_t, (n, d) [length]."""
         return self.disc.contact.Tangential(self.displacement)
 
+    @cached_property
+    def _graph(self):
+        return Distance(self.disc.contact, self.displacement, self.traction)
+
     @property
     def pressure(self):
-        """-sigma_n = p_n, (n,) [stress]."""
-        return self.disc.contact.Normal(self.traction)
+        """-sigma_n = p_n, (n,) [stress]; exactly 0 in separation and positive elsewhere, which `traction` is to round-off."""
+        return self._graph.pressure
 
     @property
     def friction(self):
-        """sigma_t, the friction traction on the body, (n, d) [stress]; it acts against u_t."""
-        return -self.disc.contact.Tangential(self.traction)
+        """sigma_t, the friction traction on the body, (n, d) [stress]; it acts against u_t, and is exactly 0 where p_t is."""
+        return 0 - self._graph.friction
 
     @property
     def bound(self):
@@ -133,7 +136,7 @@ class ContactSolution:
     @property
     def zones(self):
         """0 separation, 1 stick, 2 slip at the contact points, (n,); names in `ngdgc.graph.ZONES`."""
-        return Distance(self.disc.contact, self.displacement, self.traction).zones
+        return self._graph.zones
 
     def ZoneLengths(self):
         """Length (2D) or area (3D) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""

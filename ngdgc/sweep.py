@@ -94,7 +94,9 @@ def Violation(solution: ContactSolution) -> Array:
     The bound belongs to the nearest point of the normal law: from r itself round-off times k_n would come in.
     """
     contact, problem = solution.disc.contact, solution.disc.problem
-    r, p, friction, slip = solution.penetration, solution.pressure, solution.friction, solution.slip
+    # Of the traction that was found: `pressure` and `friction` are 0 where the law is.
+    p, friction = contact.Normal(solution.traction), -contact.Tangential(solution.traction)
+    r, slip = solution.penetration, solution.slip
     slid, tscale = np.linalg.norm(slip, axis=1), np.sqrt(p ** 2 + np.sum(friction ** 2, axis=1)).max() or 1.0
     extent = np.ptp(solution.points, axis=0).max()
     uscale = max(np.linalg.norm(solution.displacement, axis=1).max(), tscale * extent / problem.material.ShearAt(

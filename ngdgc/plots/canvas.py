@@ -16,6 +16,7 @@ THICKNESS = 0.18    # of a foundation block, relative to the body
 STOUT = 0.5         # and at most, relative to its length: a narrow one would be a spike
 VISIBLE = 0.02      # but not less than that for its narrowness, relative to the body
 APART = 4           # texts [pixel]
+NOISE = 1e-12       # tractions that are round-off, relative to the largest
 
 
 def PlaneAxes():
@@ -32,6 +33,13 @@ def Panel(axes, **settings):
     axes.grid(color="#DDDDDD", linewidth=0.6)
     axes.set(axisbelow=True, **settings)
     return axes
+
+
+def HideNoise(axes, solutions):
+    """Wide limits for axes that show nothing but round-off of the tractions of some solutions."""
+    largest = max(np.abs(solution.traction).max(initial=0) for solution in solutions)
+    if np.abs(axes.get_ylim()).max() < NOISE * (largest or 1):
+        axes.set_ylim(-1, 1)
 
 
 def Unconverged(solution):

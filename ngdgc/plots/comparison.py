@@ -7,7 +7,7 @@ from matplotlib.lines import Line2D
 from ..calls import ByKeyword
 from ..exceptions import ProblemError
 from ..solution import CheckSolution
-from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
+from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Panel, Unconverged
 from .curves import Along, Left
 from .deformed import DrawElements
 from .solid import DrawMap, TangentFrame, TangentLabel
@@ -65,6 +65,8 @@ def _Curves(solutions, scale):
     for column, (foundation, *_) in zip(grid.T, parts):
         Panel(column[0], title=f"foundation of {foundation.boundary!r}").title.set_fontsize(10)
         Panel(column[1], xlabel="s [length]").axhline(0, color="#999999", linewidth=0.8, zorder=0)
+    for axes in grid[:, 0]:
+        HideNoise(axes, solutions.values())
     grid[0, 0].set_ylabel("pressure\n$p_n$ [stress]")
     grid[1, 0].set_ylabel("friction along s\n$\\sigma_t$ [stress]")
     upper.align_ylabels(grid[:, 0])

@@ -8,7 +8,7 @@ from matplotlib.patches import Patch
 from ..calls import ByKeyword
 from ..graph import ZONES
 from ..solution import CheckSolution
-from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS
+from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS, HideNoise
 from .curves import GAP, Along, Left
 from .solid import ContactMaps
 
@@ -33,7 +33,6 @@ def ContactFigure(solution, *, slip=False):
                            height_ratios=[1] * len(rows) + [0.15])
     values = {"p": solution.pressure, "t": np.sum(solution.friction * tangent, axis=1),
               "u": np.sum(solution.slip * tangent, axis=1), "r": solution.penetration}
-    noise = 1e-12 * (np.abs(solution.traction).max(initial=0) or 1)
     for column, (foundation, *_) in zip(grid.T, contact.parts):
         pieces = list(Along(disc, foundation.boundary))
         panels = dict(zip(rows, column))
@@ -45,8 +44,7 @@ def ContactFigure(solution, *, slip=False):
                 panels[name].plot(s, values[name][numbers], color=colour, linewidth=1.2, **mark)
         _DrawZones(column[-1], pieces, solution.zones)
         for name in "pt":
-            if np.abs(panels[name].get_ylim()).max() < noise:
-                panels[name].set_ylim(-1, 1)
+            HideNoise(panels[name], [solution])
         _DressContact(column, panels, foundation, pieces)
     figure.align_ylabels(grid[:-1])
     handles = [Line2D([], [], linestyle="--", color="#444444", linewidth=1, label="bounds $\\pm p_t$ of friction")]

@@ -55,7 +55,8 @@ def _Colours(contact):
 
 
 def _DrawNormal(axes, solution, graph, off):
-    contact, r, p = solution.disc.contact, solution.penetration, solution.pressure
+    contact, r = solution.disc.contact, solution.penetration
+    p = contact.Normal(solution.traction)       # `pressure` is 0 where the law is, even where the traction is not
     deepest, widest = max(r.max(initial=0), 0), max(-r.min(initial=0), 0)
     for (_, here, compliance, _), colour in zip(contact.parts, _Colours(contact)):
         # Finer near 0, where laws with a small exponent rise at once.

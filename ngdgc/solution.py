@@ -47,7 +47,8 @@ class ContactSolution:
         return self.disc.state
 
     def __repr__(self):
-        return f"ContactSolution({self.disc!r}, {'' if self.converged else 'not '}converged after {len(self.history)} iterations)"
+        state = "" if self.converged else "not "
+        return f"ContactSolution({self.disc!r}, {state}converged after {len(self.history)} iterations)"
 
     def __reduce_ex__(self, protocol):
         raise ProblemError("a ContactSolution belongs to a mesh and a factorised matrix, which are not copied or pickled; take "

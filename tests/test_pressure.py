@@ -1,4 +1,4 @@
-"""Pressure and friction are values of the law: exactly 0 where it has none, never negative, and nothing else of the traction."""
+"""Pressure and friction are values of the law: exactly 0 where it has none, never negative, else the traction."""
 
 import numpy as np
 import pytest

@@ -57,7 +57,7 @@ def test_a_wrong_solution_leaves_it(name, request):
     figure = LawFigure(Changed(solution, change))
     wrong = Changed(solution, change)
     assert figure.get_suptitle().startswith(f"3 of {len(change)} points off the law")
-    expected = np.stack([wrong.penetration, wrong.pressure], axis=1)
+    expected = np.stack([wrong.penetration, wrong.disc.contact.Normal(wrong.traction)], axis=1)
     assert np.array_equal(Sorted(Drawn(figure.axes[0], "off")), Sorted(expected[worst]))
     assert len(Drawn(figure.axes[1], "off")) == 3
     assert "off the law" in [text.get_text() for text in figure.legends[0].get_texts()]

@@ -56,27 +56,26 @@ def EstimateContraction(disc: Discretization, penetration: Array, *, step: float
     count = len(contact.weights)
     penetration = Vectors(penetration, (count,), "penetration", f"give one number for each of the {count} contact points, such "
                           "as solution.penetration")
-    if IsNumber(step):
-        step = np.full(count, float(Number(step)))
-    step = Vectors(step, (count,), "step", f"give a number >= 0, or one for each of the {count} contact points")
-    if np.any(step < 0):
-        raise ProblemError(f"step is {step.min():g} at some point; give numbers >= 0")
+    steps = Vectors(np.full(count, float(Number(step))) if IsNumber(step) else step, (count,), "step",
+                    f"give a number >= 0, or one for each of the {count} contact points")
+    if np.any(steps < 0):
+        raise ProblemError(f"step is {steps.min():g} at some point; give numbers >= 0")
     stiffness = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]
-    step = np.sqrt(step)[:, None]
+    root = np.sqrt(steps)[:, None]
 
     def Normal(values):
         traction = stiffness * values * contact.normals
         return stiffness * contact.Normal(contact.Displacement(disc.Response(traction)))[:, None]
 
     def Tangential(values):
-        traction = step * contact.Tangential(values)
-        return step * contact.Tangential(contact.Displacement(disc.Response(traction)))
+        traction = root * contact.Tangential(values)
+        return root * contact.Tangential(contact.Displacement(disc.Response(traction)))
 
     weights = contact.weights[:, None]
     start = _Start(contact)
     normal, tangent = stiffness * contact.Normal(start)[:, None], contact.Tangential(start)
     return Contraction(normal=LargestEigenvalue(Normal, normal, weights, maxiter, tol),
-                       friction=0.5 * LargestEigenvalue(Tangential, step * tangent, weights, maxiter, tol))
+                       friction=0.5 * LargestEigenvalue(Tangential, root * tangent, weights, maxiter, tol))
 
 
 def _Start(contact):

@@ -55,41 +55,40 @@ class ContactGraph:
         contact, scale, normals = self.contact, self.scale, self.contact.normals
         qn = contact.Normal(q)
         qt = q - qn[:, None] * normals
-        r, p, dr = (np.empty(len(scale)) for _ in range(3))
-        base, dbase, bound, slip, dslip, cross = (np.zeros(len(scale)) for _ in range(6))
+        r, p, dr, dp = (np.empty(len(scale)) for _ in range(4))
+        base, dbase, bound, slip, along, cross = (np.zeros(len(scale)) for _ in range(6))
         length = np.linalg.norm(qt, axis=1)
         for _, here, compliance, friction in contact.parts:
             gamma = scale[here]
-            r[here], p[here], dr[here] = NormalPart(compliance, gamma, qn[here] - gamma * contact.gap[here])
+            r[here], p[here], slope = NormalPart(compliance, gamma, qn[here] - gamma * contact.gap[here])
+            dr[here], dp[here] = 1 / (gamma + slope), Share(slope, gamma)
             if friction is None:
-                slip[here], dslip[here] = length[here] / gamma, 1 / gamma
+                slip[here] = length[here] / gamma
                 continue
             base[here] = friction.Bound(r[here], p[here])
             byr, byp = BoundDerivatives(friction, r[here], p[here])
             slip[here], factor, slope = SlipPart(friction, gamma, base[here], length[here])
             bound[here] = base[here] * factor
-            # Derivative of the base by q_n, dp/dq_n being 1 - gamma dr/dq_n.
-            dbase[here] = byr * dr[here] + byp * (1 - gamma * dr[here])
-            dslip[here] = 1 / (gamma + slope)
-            cross[here] = dbase[here] * factor * dslip[here]
+            dbase[here] = byr * dr[here] + byp * dp[here]
+            along[here], cross[here] = Share(slope, gamma), dbase[here] * factor / (gamma + slope)
         sliding = length >= bound
         direction = qt / np.where(length > 0, length, 1)[:, None]
         friction = np.where(sliding, bound, length)
         traction = p[:, None] * normals + friction[:, None] * direction
         displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
         self._CheckFinite(q, r, slip, {"Pressure": p + r, "PressureDerivative": dr, "Bound": base, "BoundDerivatives": dbase,
-                                       "Coefficient": bound + dslip + slip})
+                                       "Coefficient": bound + along + slip})
         zones = np.where(p <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
-        # dt_t/dq = (|t_t|/|q_t|)(P - e e') + (1 - gamma ds/d|q_t|) e e' + gamma ds/d(bound) dbound/dq_n e n', P = I - n n'.
+        # dt_t/dq = (|t_t|/|q_t|)(P - e e') + dp_t/d|q_t| e e' + gamma ds/d(bound) dbound/dq_n e n', P = I - n n'.
         ratio = np.where(sliding, bound / np.where(length > 0, length, 1), 1)
-        along = np.where(sliding, 1 - scale * dslip, 1)
+        along = np.where(sliding, along, 1)
         normal, tangent = _Outer(normals, normals), _Outer(direction, direction)
-        derivative = ((1 - scale * dr)[:, None, None] * normal
+        derivative = (dp[:, None, None] * normal
                       + ratio[:, None, None] * (np.eye(contact.dim) - normal - tangent) + along[:, None, None] * tangent
                       + np.where(sliding, scale * cross, 0)[:, None, None] * _Outer(direction, normals))
         # Without a direction the tangential derivative is that of stick or, where nothing resists, of a frictionless point.
         still = (length == 0) & ~sliding
-        derivative[still] = ((1 - scale * dr)[:, None, None] * normal + np.eye(contact.dim) - normal)[still]
+        derivative[still] = (dp[:, None, None] * normal + np.eye(contact.dim) - normal)[still]
         return GraphPoint(q, displacement, traction, derivative, zones)
 
     def _CheckFinite(self, q, r, slip, values):
@@ -200,14 +199,20 @@ def _RaiseWhere(method, word, values, ended):
 
 
 def NormalPart(law, gamma, q):
-    """(r, p, dr/dq) with p = p_n(r) and p + gamma r = q, arrays (n,); where the law has ended, a rigid wall."""
+    """(r, p, p_n'(r)) with p = p_n(r) and p + gamma r = q, arrays (n,); where the law has ended, a rigid wall."""
     r, ended = Resolvent(law.Pressure, law.PressureDerivative, gamma, q)
     with np.errstate(all="ignore"):
         slope = np.where(r > 0, law.PressureDerivative(np.where(r > 0, r, 0)), 0)
         slope = np.where(ended, np.inf, slope)
         # Where the law is stiff p_n(r) would multiply the round-off of r by p_n'.
         p = np.where(r > 0, np.where(slope < gamma, law.Pressure(r), q - gamma * r), 0)
-        return r, p, 1 / (gamma + slope)
+        return r, p, slope
+
+
+def Share(slope, gamma):
+    """slope/(gamma + slope), the share of q that is traction, also for a slope that is infinite: nothing cancels."""
+    with np.errstate(divide="ignore"):
+        return 1 / (1 + gamma / slope)
 
 
 def SlipPart(law, gamma, base, length):

@@ -29,7 +29,7 @@ LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfac
           ["preconditioner"], ["iterative"], ["inverses"], ["discretization"], ["graph"],
           ["fluxes", "tractions", "cuts", "vtkfiles"], ["conformingtractions"],
           ["forces", "resultants", "compliance", "coarsening", "subspace", "fingerprint"], ["archive"], ["solution"],
-          ["solvers.driver", "solvers.equation", "solvers.recycling", "solvers.stiffness"],
+          ["solvers.driver", "solvers.equation", "solvers.holding", "solvers.recycling", "solvers.stiffness"],
           ["solvers.reduced"],
           ["solvers.contraction", "solvers.steps"],
           ["solvers.uzawa", "solvers.newtonrun"], ["solvers.correction"], ["solvers.newton"], ["solvers.multistart"],

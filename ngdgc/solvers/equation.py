@@ -12,7 +12,7 @@ class PointwiseEquation:
     points where D misses the slope of the law.
 
     point : `graph.GraphPoint`;  scale (n,) of the graph, stiffness D and blocks B (n, d, d);  P (n, d, d)
-    least : smaller eigenvalues of dt/dq, which are between 0 and 1, are replaced by this one; None: none
+    least : (n, d, d), below which dt/dq is raised to it; None: nothing is raised
     """
 
     def __init__(self, point, scale, stiffness, blocks, *, least=None):
@@ -33,6 +33,6 @@ class PointwiseEquation:
 
 
 def _Raised(slope, least):
-    """Matrices (n, d, d) whose symmetric parts have no eigenvalue below `least`."""
-    values, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
-    return slope + (vectors * np.maximum(least - values, 0)[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+    """Matrices (n, d, d) whose symmetric parts are nowhere below those of `least`."""
+    values, vectors = np.linalg.eigh(least - (slope + np.swapaxes(slope, 1, 2)) / 2)
+    return slope + (vectors * np.maximum(values, 0)[:, None, :]) @ np.swapaxes(vectors, 1, 2)

@@ -37,8 +37,8 @@ class SemismoothNewtonSolver:
     * Where the inverse is an iteration, all this happens in a subspace, and its corrections in the whole space (`correction`).
     * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
       a body that nothing but its foundation holds.
-    * Where nothing but the foundation holds the body and all points slip, the derivative is singular: eigenvalues of dt/dq
-      count as at least 1/100, less as F falls.
+    * Where nothing but the foundation holds the body and all points slip or have lifted off, the derivative is singular: dt/dq
+      counts as at least 1/100, less as F falls, of what it is where the foundation carries the loads and friction sticks.
     * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls and no start was given, the load is raised in
       steps that adapt, from rest.
 

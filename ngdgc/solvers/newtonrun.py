@@ -5,15 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..compliance import Apply, Compliance
-from ..graph import ContactGraph, NormalPart, Scales
+from ..graph import ContactGraph, Scales
 from .driver import Iterate, LawResidual
 from .equation import PointwiseEquation
+from .holding import Holding
 from .recycling import Recycled
 from .reduced import ReducedCompliance
 from .stiffness import BodyStiffness, LawStiffness
 
-FLOOR = 1e-4        # smallest one, where nothing but the foundation holds the body
-HOLD = 0.01         # slope dt/dq that every point has at first, where nothing but the foundation holds the body
+FLOOR = 1e-4        # smallest D where nothing but the foundation holds the body, in units of what holds it (`Holding`)
+HOLD = 0.01         # part of the slope that holds it which every point has at first
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
 FORCING = 3e-3      # relative residual of the linear equations
 ROUGH = 0.1         # the largest one, for tolerances that are near
@@ -21,7 +22,6 @@ ACCURATE = 1e-9     # the smallest one that is asked for
 SAMEPIECE = 0.1     # change of dt/dq, which is between 0 and 1, that tells pieces of the graph apart
 GOAL = 0.1          # part of the tolerance at which the last linear equation aims
 LINEAR = 200        # applications of an inverse for one linear equation
-TOUCH = 1e-6        # penetration that counts as contact, in units of the extent of Gamma_C
 HALVINGS = 8        # of a Newton step
 REDUCED = 8         # reduced problems for one Newton step
 GAIN = 0.6          # of the merit function, that asks for one more
@@ -60,8 +60,9 @@ class NewtonRun:
         self.graph = ContactGraph(disc.contact, self.scale)
         self.weights = disc.contact.weights[:, None]
         self.held = not disc.unresisted
+        self.holding = None if self.held else Holding(disc, self.scale)
         self.given = start is not None
-        self.start = self._Rest() if start is None else self.graph.At(self.graph.Coordinates(*start))
+        self.start = self.graph.At(self._Rest() if start is None else self.graph.Coordinates(*start))
         self.steps, self.zones, self.reached = [], [], 0.0
         self.least, self.largest = None, 0.0
         self.recycled, self.base = Recycled(None, self.contact.weights), None
@@ -77,28 +78,13 @@ class NewtonRun:
         self.blocks = np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim))
 
     def _Rest(self):
-        """No traction; a body that nothing else holds starts in contact everywhere, or its first step would be a flight."""
-        contact = self.contact
-        q = np.zeros(len(self.scale))
-        pressure = 0 if self.held else np.linalg.norm(self.disc.resultant) / contact.weights.sum()
-        if pressure:
-            q = self.scale * (contact.gap + TOUCH * np.ptp(contact.coordinates, axis=0).max())
-            for _, here, compliance, _ in contact.parts:
-                # As deep as if all points carried the loads evenly: a law that starts flat, like r^3, has no slope at touch.
-                gamma = self.scale[here]
-                r, p, _ = NormalPart(compliance, FLOOR * gamma, np.full(len(gamma), pressure))
-                q[here] = np.maximum(q[here], p + gamma * (r + contact.gap[here]))
-        return self.graph.At(q[:, None] * contact.normals)
+        return np.zeros_like(self.contact.normals) if self.held else self.holding.Rest()
 
     def Stiffness(self, point):
         """D (n, d, d) of the law at a point of the graph; it holds the body where nothing else does."""
         stiffness = LawStiffness(point, self.scale, self.contact.normals)
         if not self.held:
-            resisting = self.contact.normals[:, :, None] * self.contact.normals[:, None, :]
-            for _, here, _, friction in self.contact.parts:
-                if friction is not None:
-                    resisting[here] = np.eye(self.contact.dim)
-            stiffness = stiffness + FLOOR * self.scale[:, None, None] * resisting
+            stiffness = stiffness + FLOOR * self.scale[:, None, None] * self.holding.slope
         return stiffness
 
     def Iterates(self):
@@ -220,7 +206,8 @@ class NewtonRun:
         return equation.Step(state.F, image - Apply(self.blocks, s))
 
     def _Equation(self, point):
-        return PointwiseEquation(point, self.scale, self.stiffness, self.blocks, least=self.least)
+        least = None if self.least is None else self.least * self.holding.slope
+        return PointwiseEquation(point, self.scale, self.stiffness, self.blocks, least=least)
 
     def _Stalled(self):
         recent = [ratio for _, _, ratio in self.steps[-PATIENCE:]]
@@ -233,7 +220,7 @@ class NewtonRun:
 
     def _Continuation(self):
         """The state under full load, reached from rest by raising the load in steps that adapt; None if that fails as well."""
-        state, load, increment, before = self._Evaluate(self._Rest(), 0.0), 0.0, 0.25, self.disc.solves
+        state, load, increment, before = self._Evaluate(self.graph.At(self._Rest()), 0.0), 0.0, 0.25, self.disc.solves
         while load < 1:
             self.reached = load
             if self.disc.solves - before > WORK:

@@ -1,0 +1,60 @@
+"""A body that only its foundation holds costs the same on any foundation, however soft against the body."""
+
+import numpy as np
+import pytest
+from ngsolve import CF, IfPos, x
+from ngsolve.meshes import MakeStructured2DMesh
+
+from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, NormalCompliance, NotConvergedError, SemismoothNewtonSolver, Solve)
+from ngdgc.solvers.holding import Holding
+
+PRESSED = {"roller": {"left": 0}, "traction": {"top": (0, -1)}}
+BENT = {"roller": {"left": 0}, "traction": {"right": (0, -1)}}
+LIFTED = {"friction": CoulombFriction(0.3), "traction": {"top": CF((0, IfPos(x - 200, -1, 0)))}}
+
+
+def Steel(k, method=None, *, friction=None, n=15, quads=True, **loads):
+    """A steel plate 300 x 20 [N, mm] on a foundation of stiffness k, which sinks freely."""
+    problem = ContactProblem(HookeMaterial(E=2.1e5, nu=0.3), Foundation("bottom", NormalCompliance(k), friction=friction), **loads)
+    mesh = MakeStructured2DMesh(quads=quads, nx=n, ny=2, mapping=lambda s, t: (300 * s, 20 * t))
+    return Discretization(problem, method or InteriorPenalty(), mesh, order=2)
+
+
+def Cost(solution):
+    return sum(level.solves for level in solution.levels)
+
+
+@pytest.mark.parametrize("method", [InteriorPenalty(), BassiEtAl(), LDG(form="lifting"), Conforming()])
+def test_pressed_plate_sinks_evenly(method):
+    """The stress is -1 along y: the pressure is 1 everywhere, whatever k is."""
+    costs = []
+    for k in (5, 0.05):
+        solution = Solve(Steel(k, method, **PRESSED))
+        costs.append(Cost(solution))
+        assert np.abs(solution.pressure - 1).max() < 1e-6 and solution.normalforce == pytest.approx(300, rel=1e-7)
+    assert costs[1] <= 3 * costs[0]
+
+
+@pytest.mark.parametrize(("loads", "force"), [(BENT, 20), (LIFTED, 100)])
+def test_beam_and_lifting_footing_cost_the_same(loads, force):
+    costs = []
+    for k in (500, 5, 0.05):
+        solution = Solve(Steel(k, **loads))
+        costs.append(Cost(solution))
+        assert solution.normalforce == pytest.approx(force, rel=1e-7)
+        assert loads is BENT or np.any(solution.zones == 0)
+    assert max(costs[1:]) <= 3 * min(costs)
+
+
+def test_stiffness_of_the_body_would_not_hold_it(monkeypatch):
+    """dt/dq of at least 1/100 of the body's own stiffness, with it in the matrix: steps of a thousandth of what is needed."""
+    assert len(SemismoothNewtonSolver().Solve(Steel(5e-4, **PRESSED)).history) <= 2
+    Own = Holding.__init__
+
+    def Bodily(self, disc, scale):
+        Own(self, disc, scale)
+        self.slope = np.broadcast_to(np.eye(2), self.slope.shape)
+    monkeypatch.setattr(Holding, "__init__", Bodily)
+    with pytest.raises(NotConvergedError):
+        SemismoothNewtonSolver(maxiter=30).Solve(Steel(5e-4, **PRESSED))

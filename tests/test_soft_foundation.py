@@ -16,7 +16,8 @@ LIFTED = {"friction": CoulombFriction(0.3), "traction": {"top": CF((0, IfPos(x -
 
 def Steel(k, method=None, *, friction=None, n=15, quads=True, **loads):
     """A steel plate 300 x 20 [N, mm] on a foundation of stiffness k, which sinks freely."""
-    problem = ContactProblem(HookeMaterial(E=2.1e5, nu=0.3), Foundation("bottom", NormalCompliance(k), friction=friction), **loads)
+    foundation = Foundation("bottom", NormalCompliance(k), friction=friction)
+    problem = ContactProblem(HookeMaterial(E=2.1e5, nu=0.3), foundation, **loads)
     mesh = MakeStructured2DMesh(quads=quads, nx=n, ny=2, mapping=lambda s, t: (300 * s, 20 * t))
     return Discretization(problem, method or InteriorPenalty(), mesh, order=2)
 

@@ -44,14 +44,15 @@ def Derivative(value: Any, axis: int, name: str = "the function") -> Any:
 
 def _Functions(value):
     """The different GridFunctions, or operators of GridFunctions, in the tree of a CoefficientFunction."""
-    found, waiting = {}, [value]
+    seen, waiting = {}, [value]
     while waiting:
         node = waiting.pop()
-        if isinstance(node, (GridFunction, GridFunctionCoefficientFunction)):
-            found[node] = None
-        elif node is not None:
+        if node is None or node in seen:
+            continue
+        seen[node] = isinstance(node, (GridFunction, GridFunctionCoefficientFunction))
+        if not seen[node]:
             waiting += node.data["childs"]
-    return list(found)
+    return [node for node, found in seen.items() if found]
 
 
 def _Slope(function, axis):

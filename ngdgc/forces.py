@@ -18,13 +18,13 @@ def Force(solution, region, material=None):
     """The force through a region, (d,); see `ContactSolution.Force`."""
     on = Facets(solution.disc, region)
     signs = _Outward(solution.disc, region, on) if material is None else _Side(solution.disc, region, on, material)
-    return signs @ solution.tractions.forces[on]
+    return signs @ solution.facettractions.forces[on]
 
 
 def Traction(solution, region):
     """The traction on a region as a CoefficientFunction; see `ContactSolution.Traction`."""
     Facets(solution.disc, region)
-    return solution.tractions.function
+    return solution.facettractions.function
 
 
 def Mean(solution, region):

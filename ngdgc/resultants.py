@@ -73,7 +73,7 @@ def _StrongReactions(solution):
     disc = solution.disc
     if disc.method.discontinuous or not disc.problem.dirichlet:
         return
-    quadrature, tractions = solution.tractions.held
+    quadrature, tractions = solution.facettractions.held
     facet, motion = disc.facets.boundary[0][quadrature.facets], GridFunction(disc.space)
     traces = []
     for coefficients in RigidBasis(disc.space):

@@ -160,7 +160,7 @@ class ContactSolution:
 
     @cached_property
     @AsRead
-    def tractions(self):
+    def facettractions(self):
         """`tractions.FacetTractions`: tractions on all boundaries and interfaces, and their integrals over the facets."""
         return Tractions(self)
 

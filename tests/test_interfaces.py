@@ -66,7 +66,7 @@ def test_what_a_closed_interface_surrounds_is_in_balance(mesh, method):
     assert integral == pytest.approx(force, abs=1e-10 * size)
     assert np.abs(np.abs(force) - np.abs(inside)).max() < 1e-8 * size
     on = facets.On(name)
-    numbered = facets.interfaces.sign[on] @ solution.tractions.forces[on]
+    numbered = facets.interfaces.sign[on] @ solution.facettractions.forces[on]
     assert np.abs(np.abs(numbered) - np.abs(inside)).max() > 1e-2 * size
 
 

@@ -13,9 +13,11 @@ So every part of the body that interfaces and its boundary enclose is in balance
 interface; where C eps(u_h) is exact w is 0.
 """
 
+from functools import partial
+
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import BilinearForm, GridFunction, InnerProduct, ds, dx
+from ngsolve import VOL, BilinearForm, ElementId, GridFunction, InnerProduct, ds, dx
 
 from .coefficients import LOADBONUS, OnFacets, Unfolded
 from .contact import TraceMatrix
@@ -117,7 +119,10 @@ def _Residual(solution, space):
 def _Elastic(solution, space):
     """int C eps(u_h):eps(v), (ndof,), by the quadrature of the matrix: that of a linear form is another on curved elements."""
     disc, (u, v), displacement = solution.disc, space.TnT(), GridFunction(space)
-    displacement.Set(solution.gfu)
+    # Not by NGSolve's Set, whose heap large hexahedra overflow.
+    values = displacement.vec.FV().NumPy()
+    for element in map(partial(ElementId, VOL), range(disc.mesh.ne)):
+        values[list(space.GetDofNrs(element))] = solution.vector[list(disc.space.GetDofNrs(element))]
     form = BilinearForm(InnerProduct(disc.problem.material.Stress(Strain(u)), Strain(v)) * disc.form.volume)
     product = displacement.vec.CreateVector()
     with Threads(disc.mesh):

@@ -20,6 +20,13 @@ class Step:
 
 
 @dataclass(frozen=True)
+class Prediction(Step):
+    """A Step on a coarser mesh of a nested iteration, with this number of unknowns; it is in no history."""
+
+    unknowns: int
+
+
+@dataclass(frozen=True)
 class Rates:
     """Factors by which an iteration shrinks its error per step, no unit, None where there is none.
 

@@ -9,6 +9,7 @@ from functools import partial
 
 from .calls import ByKeyword
 from .files import Files
+from .history import Prediction
 
 EVERY = 10          # iterations from one line of a log file to the next
 SLOW = 4.0          # [s] after which the next iteration is a line, whatever its number
@@ -47,6 +48,10 @@ class Progress:
         if self.live or step.number == 1 or self._Due(step.number):
             self._Show()
 
+    def Predict(self, step):
+        """The same on a coarser mesh of a nested iteration."""
+        self(step)
+
     def Close(self):
         """Show the last iteration if it has not been shown."""
         if self.step is not self.shown:
@@ -60,7 +65,8 @@ class Progress:
 
     def _Show(self):
         step, follows = self.step, self.shown is not None and self.step.number > self.shown.number
-        line = (f"iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
+        coarse = f"prediction with {step.unknowns} unknowns, " if isinstance(step, Prediction) else ""
+        line = (f"{coarse}iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
                 f"{step.seconds:7.2f} s")
         self.shown, self.time = step, time.perf_counter()
         if self.display is not None:

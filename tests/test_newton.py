@@ -255,3 +255,11 @@ def test_a_coarse_mesh_that_fails_is_listed(monkeypatch):
 def test_bad_arguments_are_refused_by_name(call, culprit):
     with pytest.raises(ProblemError, match=culprit):
         call(Discretization(Example(), METHODS[0], RectangleMesh(2), order=1))
+
+
+def test_a_run_that_gives_up_before_its_first_step_is_no_index_error(monkeypatch):
+    monkeypatch.setattr(NewtonRun, "_Stalled", lambda run: True)
+    monkeypatch.setattr(NewtonRun, "_Continuation", lambda run: None)
+    with pytest.raises(NotConvergedError, match=r"Newton.*before its first iteration") as failure:
+        SemismoothNewtonSolver().Solve(Stiff("4.1", 1e3, CoulombFriction(0.3)))
+    assert failure.value.history == [] and not failure.value.solution.converged

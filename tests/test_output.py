@@ -22,7 +22,7 @@ from ngdgc.formula import Formula
 from ngdgc.meshes import RectangleMesh
 from ngdgc.output import EVERY, FIRST, Progress
 from ngdgc.report import SCHEMA, Plain
-from ngdgc.history import Step
+from ngdgc.history import Prediction, Step
 
 NUMBER = re.compile(r"iteration +(\d+) ")
 
@@ -292,3 +292,16 @@ def test_every_object_says_what_it_is(solution):
                   solution.disc.contact.parts[0][2], Scene(solution)):
         assert not re.search(r"object at|np\.|mappingproxy|\n", repr(value)), repr(value)
     assert re.search("object at", repr(x))
+
+
+def test_coarser_meshes_show_that_they_go_on():
+    """Every mesh begins with a line that says how large it is; a plain function is told of the last mesh alone."""
+    stream, steps = io.StringIO(), []
+    solution = example_4_1.Main(n=32, callback=Progress(stream))
+    lines = stream.getvalue().splitlines()
+    sizes = [f"prediction with {level.dofs} unknowns, iteration     1 " for level in solution.levels[:-1]]
+    assert sizes and all(any(line.startswith(size) for line in lines) for size in sizes)
+    last = [number for number, line in enumerate(lines) if line.startswith("prediction")][-1] + 1
+    assert lines[last].startswith("iteration     1 ")
+    again = example_4_1.Main(n=32, callback=steps.append)
+    assert steps == again.history and not any(isinstance(step, Prediction) for step in steps)

@@ -161,5 +161,7 @@ def _GoesSomewhere(positions):
 
 
 def _Last(history):
+    if not history:
+        return "before its first iteration"
     last = history[-1]
     return f"after {last.number} iterations: change {last.change:.2g}, law residual {last.residual:.2g}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import chain
 from typing import Any, TYPE_CHECKING
 
@@ -15,7 +16,7 @@ from ..calls import ByKeyword
 from ..coarsening import CoarserMesh
 from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from ..history import Level
+from ..history import Level, Prediction
 from .driver import CheckCallback, Current
 from .multistart import Starts
 from .newton import SemismoothNewtonSolver
@@ -56,7 +57,8 @@ class NestedNewtonSolver:
             object.__setattr__(self, "coarser", tuple(self.coarser))
 
     def Solve(self, disc: Discretization, *, callback: Callable[[Step], object] | None = None) -> ContactSolution:
-        """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh.
+        """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh, and
+        before, if there is such a method, as `output.Progress` has it, `callback.Predict(step)` with every `Prediction`.
 
         Raises NotConvergedError, with history and likely cause, if Newton's method fails from the prediction, from rest, under
         load continuation and from random starts (`multistart.Starts`); SolveInterrupted, with the last iterate, on Ctrl-C on
@@ -65,12 +67,12 @@ class NestedNewtonSolver:
         solver = SemismoothNewtonSolver(tol=self.tol)
         CheckCallback(callback)
         with Current(disc) as disc:
-            levels, start = self._Predict(solver, disc)
+            levels, start = self._Predict(solver, disc, callback)
             solution, seconds = self._Finest(solver, disc, start, callback)
             solution.solver, solution.levels = repr(self), [*levels, _Level(disc, solution.history, seconds, True)]
             return solution
 
-    def _Predict(self, solver, disc):
+    def _Predict(self, solver, disc, callback):
         """(levels, start): what the coarser meshes took, and what they predict for the Discretization, or None."""
         levels, start, meshes = [], None, [*self._Coarse(disc), disc]
         coarse: Any
@@ -78,7 +80,9 @@ class NestedNewtonSolver:
         while len(meshes) > 1:
             coarse, begin = meshes.pop(0), time.perf_counter()
             try:
-                solution = solver.Solve(coarse, start=start)
+                tell = getattr(callback, "Predict", None)
+                show = tell and partial(_Show, tell, coarse.space.ndof)
+                solution = solver.Solve(coarse, start=start, callback=show)
                 history, start = solution.history, Transfer(solution, meshes[0].contact)
             except (NotConvergedError, ProblemError) as error:
                 # It was to predict, no more: the next mesh starts from rest.
@@ -105,6 +109,10 @@ class NestedNewtonSolver:
                 # The one from rest tells most: others start where nobody would.
                 failure = error if failure is None or start is None else failure
         raise failure
+
+
+def _Show(Tell, unknowns, step):
+    Tell(Prediction(**vars(step), unknowns=unknowns))
 
 
 def _Level(disc, history, seconds, converged):

@@ -31,7 +31,7 @@ LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfac
           ["forces", "resultants", "compliance", "coarsening", "subspace", "fingerprint"], ["archive"], ["solution"],
           ["solvers.driver", "solvers.equation", "solvers.holding", "solvers.recycling", "solvers.stiffness"],
           ["solvers.reduced"],
-          ["solvers.contraction", "solvers.steps"],
+          ["solvers.contraction", "solvers.pathfollowing", "solvers.steps"],
           ["solvers.uzawa", "solvers.newtonrun"], ["solvers.correction"], ["solvers.newton"], ["solvers.multistart"],
           ["solvers.nested"],
           ["solvers.__init__"], ["uniqueness"], ["__init__"],

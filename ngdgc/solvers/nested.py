@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
 COARSEST = 20                   # contact points that need no prediction
+SECONDS = 30.0                  # after which no other start is tried
 MANY = 256                      # contact points on a curve that four times fewer predict well
 
 
@@ -103,6 +104,8 @@ class NestedNewtonSolver:
         """(solution, seconds) from the prediction, else from rest, else from other starts."""
         begin, failure = time.perf_counter(), None
         for start in chain([prediction, None] if prediction else [None], Starts(disc)):
+            if failure is not None and time.perf_counter() - begin > SECONDS:
+                break
             try:
                 return solver.Solve(disc, start=start, callback=callback), time.perf_counter() - begin
             except NotConvergedError as error:

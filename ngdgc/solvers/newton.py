@@ -39,8 +39,8 @@ class SemismoothNewtonSolver:
       a body that nothing but its foundation holds.
     * Where nothing but the foundation holds the body and all points slip or have lifted off, the derivative is singular: dt/dq
       counts as at least 1/100, less as F falls, of what it is where the foundation carries the loads and friction sticks.
-    * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls and no start was given, the load is raised in
-      steps that adapt, from rest.
+    * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls and no start was given, a path of solutions leads
+      to one if the body is held and has few contact points (`pathfollowing`), else the load is raised in steps that adapt.
 
     tol : of the law residual (`graph.Distance`), no unit
     maxiter : limit of Newton steps

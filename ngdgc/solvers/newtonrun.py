@@ -1,6 +1,8 @@
 """A run of the semismooth Newton method: equations, line search, renewed matrices, load continuation, diagnosis."""
 
+import time
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -9,6 +11,7 @@ from ..graph import ContactGraph, Scales
 from .driver import Iterate, LawResidual
 from .equation import PointwiseEquation
 from .holding import Holding
+from .pathfollowing import FEW, Path
 from .recycling import Recycled
 from .reduced import ReducedCompliance
 from .stiffness import BodyStiffness, LawStiffness
@@ -32,7 +35,9 @@ PATIENCE = 8        # steps in which the merit function must halve
 SMALL = 1e-8        # law residuals below this that do not shrink are round-off
 LOADSTEP = 1 / 32   # smallest step of the load continuation
 CORRECTIONS = 12    # Newton steps for one load
+TRIALS = 30         # Newton steps before a path is followed instead
 WORK = 500          # applications of an inverse for the load continuation
+SECONDS = 15.0      # for the load continuation
 
 
 @dataclass(frozen=True)
@@ -61,6 +66,7 @@ class NewtonRun:
         self.weights = disc.contact.weights[:, None]
         self.held = not disc.unresisted
         self.holding = None if self.held else Holding(disc, self.scale)
+        self.few = self.held and disc.contact.normals.size <= FEW
         self.given = start is not None
         self.start = self.graph.At(self._Rest() if start is None else self.graph.Coordinates(*start))
         self.steps, self.zones, self.reached = [], [], 0.0
@@ -90,14 +96,16 @@ class NewtonRun:
     def Iterates(self):
         state = self._Evaluate(self.start)
         yield state.iterate
-        yield from self._Newton(state)
+        # Few points have a sure way, which need not wait until slow steps come to an end.
+        yield from islice(self._Newton(state), TRIALS if self.few and not self.given else None)
         # Continuation starts from rest whatever the start was; who gave one has his own next choice.
         if self._Roundoff() or self.given:
             return
-        state = self._Continuation()
-        if state is not None:
-            self.steps.clear()
-            yield from self._Newton(state)
+        for Approach in (self._AlongPath, self._Continuation):
+            state = Approach()
+            if state is not None:
+                self.steps.clear()
+                yield from self._Newton(state)
 
     def _Newton(self, state):
         """Iterates under full load until the steps bring no more."""
@@ -218,12 +226,20 @@ class NewtonRun:
         recent = [ratio for _, _, ratio in self.steps[-2:]]
         return len(recent) == 2 and min(recent) > 0.5 and LawResidual(self.contact, self.state.iterate) < SMALL
 
+    def _AlongPath(self):
+        """The state at the end of a `Path`, where the body is held and has few contact points; or None."""
+        if not self.few:
+            return None
+        point = Path(Compliance(self.disc), self.scale).Follow()
+        return None if point is None else self._Evaluate(point)
+
     def _Continuation(self):
         """The state under full load, reached from rest by raising the load in steps that adapt; None if that fails as well."""
         state, load, increment, before = self._Evaluate(self.graph.At(self._Rest()), 0.0), 0.0, 0.25, self.disc.solves
+        end = time.perf_counter() + SECONDS
         while load < 1:
             self.reached = load
-            if self.disc.solves - before > WORK:
+            if self.disc.solves - before > WORK or time.perf_counter() > end:
                 return None
             increment = min(increment, 1 - load)
             self.steps.clear()
@@ -253,7 +269,7 @@ class NewtonRun:
         else:
             what = f"Newton stagnates, its last step shortened to {self.steps[-1][0] if self.steps else 1:.2g}"
         if not self.given:
-            what += f", and raising the load in steps found no equilibrium beyond {self.reached:.0%} of it"
+            what += f", and raising the load in steps was given up at {self.reached:.0%} of it"
         if self.disc.unresisted:
             return (f"{what}.  The foundation alone resists {self.disc.unresisted}: there is no equilibrium if the loads pull "
                     "the body off or push it along harder than friction holds.  Remedy: other loads, dirichlet or roller"), None

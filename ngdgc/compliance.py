@@ -16,6 +16,7 @@ import scipy.sparse as sp
 
 from .exceptions import ProblemError
 from .facets import Csr, Native, Threads
+from .motions import Deflation
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,8 @@ class Compliance:
     def __init__(self, disc, stiffness=None):
         self.disc, self.contact, self.stiffness = disc, disc.contact, stiffness
         self._inverse = disc.inverse if stiffness is None else self._Factorise()
+        motions = disc.motions if stiffness is not None and disc.unresisted else ()
+        self._deflation = Deflation(motions, disc.contact, stiffness) if len(motions) else None
 
     def Meet(self, displacement, traction, *, load=1.0, near=None):
         """(Equilibrium, s, S_D s): the one that meets t = traction + D (u - displacement), by one application of the inverse.
@@ -91,6 +94,11 @@ class Compliance:
         return vector
 
     def _Solve(self, load):
+        if self._deflation:
+            return self._deflation.Solve(self._Inverse, load)
+        return self._Inverse(load)
+
+    def _Inverse(self, load):
         return self.disc.ApplyInverse(self._inverse, load)
 
     def _Factorise(self):

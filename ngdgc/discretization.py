@@ -19,6 +19,7 @@ from .facets import Csr, Facets, Native, Projected, Threads
 from .inside import OnBoundary
 from .inverses import Inverse, Kind
 from .memory import CheckAssembly
+from .motions import FreeMotions
 from .problem import ContactProblem
 from .protocols import Array, Method
 from .quadrature import ContactRules
@@ -227,6 +228,11 @@ class Discretization(LinearEquations):
         return np.array([Projected(self.space, CF(tuple(axis))) @ self.load for axis in np.eye(self.mesh.dim)])
 
     shift = 0.0     # displacement of Gamma_C that is not in the space, as `subspace.Subspace` has one
+
+    @cached_property
+    def motions(self) -> Array:
+        """Coefficients (m, ndof) of the rigid motions that A does not resist (`motions.FreeMotions`)."""
+        return FreeMotions(self)
 
     @cached_property
     @AsRead

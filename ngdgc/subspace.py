@@ -37,6 +37,7 @@ class Subspace(LinearEquations):
     """
 
     prescribed = 0.0
+    motions = ()
 
     def __init__(self, disc):
         super().__init__()

@@ -118,7 +118,7 @@ def test_a_solution_is_in_balance_however_loose_its_tolerance(monkeypatch):
 
     assert Excess() <= 2 * correction.MOST
     monkeypatch.setattr(correction, "MOST", 1.0)
-    assert Excess() > 1e-7
+    assert Excess() > 1e-8
 
 
 def test_a_body_without_loads_rests():

@@ -23,7 +23,7 @@ LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfac
           ["inside"], ["casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["meshchecks", "state"], ["quadrature", "added", "equations"], ["storage"],
-          ["shapes", "pattern", "skeleton", "contact", "validation", "restraints", "stability"],
+          ["shapes", "pattern", "skeleton", "contact", "motions", "validation", "restraints", "stability"],
           ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
           ["cycles"], ["methods", "solenoidal"],
           ["preconditioner"], ["iterative"], ["inverses"], ["discretization"], ["graph"],

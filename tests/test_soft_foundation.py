@@ -59,3 +59,19 @@ def test_stiffness_of_the_body_would_not_hold_it(monkeypatch):
     monkeypatch.setattr(Holding, "__init__", Bodily)
     with pytest.raises(NotConvergedError):
         SemismoothNewtonSolver(maxiter=30).Solve(Steel(5e-4, **PRESSED))
+
+
+@pytest.mark.parametrize("method", [InteriorPenalty(), Conforming()])
+def test_forces_balance_however_soft_the_foundation_is(method, monkeypatch):
+    """The plate sinks by 2e7, which is the round-off of all else, and too much where motions are not known to be rigid."""
+    assert Solve(Steel(5e-8, method, **PRESSED)).normalforce == pytest.approx(300, rel=1e-12)
+    monkeypatch.setattr(Discretization, "motions", ())
+    with pytest.raises((AssertionError, NotConvergedError)):
+        assert Solve(Steel(5e-8, method, **PRESSED)).normalforce == pytest.approx(300, rel=1e-7)
+
+
+def test_motions_are_those_that_nothing_resists():
+    assert Steel(1, **PRESSED).motions.shape[0] == 1        # a roller leaves one translation
+    free, held = Steel(1, **LIFTED), Steel(1, Conforming(), dirichlet={"left": (0, 0)})
+    assert free.motions.shape[0] == 3 and held.motions.shape[0] == 0
+    assert max(np.abs(free.Multiply(motion)).max() for motion in free.motions) < 1e-10

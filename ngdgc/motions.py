@@ -17,7 +17,7 @@ NULL = 1e-11        # A R in units of what its terms are, that is round-off
 
 
 def FreeMotions(disc):
-    """Coefficients (m, ndof) of a basis of the rigid motions that A does not resist, of a Discretization with a body of one part.
+    """Coefficients (m, ndof) of a basis of the rigid motions that A does not resist, of a body of one part.
 
     With several parts or forms that were added there is none: (0, ndof).
     """

@@ -37,8 +37,9 @@ def DisplacementAt(solution, point):
     """The displacement at a point of the body, (d,); see `ContactSolution.At`."""
     mesh, dim = solution.disc.mesh, solution.disc.mesh.dim
     place = Vectors(point, (dim,), "point", f"give its {dim} coordinates, such as At({', '.join('0' * dim)})").tolist()
+    displacement = solution.gfu
     try:
-        return np.array(solution.gfu(mesh(*place)))
+        return np.array(displacement(mesh(*place)))
     except Exception as error:
         points = mesh.ngmesh.Coordinates()[:, :dim]
         raise ProblemError(f"point {tuple(place)} lies in no element of the mesh, which extends from "

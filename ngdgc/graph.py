@@ -76,8 +76,10 @@ class ContactGraph:
         friction = np.where(sliding, bound, length)
         traction = p[:, None] * normals + friction[:, None] * direction
         displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
-        self._CheckFinite(q, r, slip, {"Pressure": p + r, "PressureDerivative": dr, "Bound": base, "BoundDerivatives": dbase,
-                                       "Coefficient": bound + along + slip})
+        # One sum tells that nothing is wrong; where is asked only if something is.
+        if not np.isfinite(np.sum(p + r + dr + base + dbase + bound + along + slip) + np.sum(q)):
+            self._CheckFinite(q, r, slip, {"Pressure": p + r, "PressureDerivative": dr, "Bound": base,
+                                           "BoundDerivatives": dbase, "Coefficient": bound + along + slip})
         zones = np.where(p <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
         # dt_t/dq = (|t_t|/|q_t|)(P - e e') + dp_t/d|q_t| e e' + gamma ds/d(bound) dbound/dq_n e n', P = I - n n'.
         ratio = np.where(sliding, bound / np.where(length > 0, length, 1), 1)

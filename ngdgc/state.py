@@ -41,7 +41,7 @@ def Leaves(function):
 
 
 def Data(problem):
-    """(name, value) of everything that a problem is given by, as messages call it; values are numbers, functions, arrays."""
+    """(name, value) of everything that a problem is given by, as messages call it."""
     yield from ((f"material: {name}", value) for name, value in vars(problem.material).items())
     for foundation in problem.foundation:
         where = f"foundation {foundation.boundary!r}"
@@ -58,14 +58,15 @@ class State:
     """A mesh and the data of a problem, as they are now; Parameters keep the values that they have now."""
 
     def __init__(self, problem, mesh):
-        self.problem, self.mesh = problem, mesh
-        self._mesh, self._fields = MeshState(mesh), _Fields(problem)
-        self._parameters = {name: [(leaf, leaf.Get()) for leaf in Leaves(value) if isinstance(leaf, Parameter)]
-                            for name, value in _Functions(problem)}
+        self.mesh, self._mesh, self._nested = mesh, MeshState(mesh), False
+        leaves = [(name, leaf) for name, value in _Functions(problem) for leaf in Leaves(value)]
+        self._parameters = [(name, leaf, leaf.Get()) for name, leaf in leaves if isinstance(leaf, Parameter)]
+        self._fields = [(name, leaf, _Digest(leaf)) for name, leaf in leaves if isinstance(leaf, GridFunction)]
+        self._laws = [(name, law, _Plain(law)) for name, law in _Laws(problem)]
 
     def Parameters(self):
         """The names of the data in which a Parameter has another value now, a list."""
-        return [name for name, values in self._parameters.items() if any(leaf.Get() != value for leaf, value in values)]
+        return list(dict.fromkeys(name for name, leaf, value in self._parameters if leaf.Get() != value))
 
     def CheckMesh(self):
         """Raise ProblemError if the mesh has changed."""
@@ -75,8 +76,11 @@ class State:
     def CheckFixed(self):
         """Raise ProblemError if anything but Parameters has changed."""
         self.CheckMesh()
-        now = _Fields(self.problem)
-        if changed := [name for name in {**self._fields, **now} if self._fields.get(name) != now.get(name)]:
+        changed = [name for name, leaf, digest in self._fields if _Digest(leaf) != digest]
+        for where, law, before in self._laws:
+            now = _Plain(law)
+            changed += [f"{name} of {where}" for name in {**before, **now} if before.get(name) != now.get(name)]
+        if changed:
             raise ProblemError(f"{', '.join(changed)}: a GridFunction or a number of a law was changed after the "
                                "Discretization was made; make a new one, or use a Parameter, which Solve reads when it begins")
 
@@ -89,24 +93,42 @@ class State:
     @contextmanager
     def Restored(self):
         """A time in which Parameters have the values that they had; ProblemError if anything else has changed."""
+        if self._nested:
+            yield
+            return
         self.CheckFixed()
-        now = [(leaf, leaf.Get(), value) for values in self._parameters.values() for leaf, value in values]
+        now = [leaf.Get() for _, leaf, _ in self._parameters]
         try:
-            for leaf, _, value in now:
+            self._nested = True
+            for _, leaf, value in self._parameters:
                 leaf.Set(value)
             yield
         finally:
-            for leaf, value, _ in now:
+            self._nested = False
+            for (_, leaf, _), value in zip(self._parameters, now):
                 leaf.Set(value)
 
 
-def _Fields(problem):
-    """What tells the values of GridFunctions and of the plain attributes of laws apart, {name of the datum: tuple}."""
-    found = {name: tuple(crc32(leaf.vec.FV().NumPy()) for leaf in Leaves(value) if isinstance(leaf, GridFunction))
-             for name, value in _Functions(problem)}
-    # A law of a user's own need not be frozen.
-    return found | {name: (value.tobytes() if isinstance(value, np.ndarray) else value,) for name, value in Data(problem)
-                    if isinstance(value, (np.ndarray, int, float, str))}
+def _Digest(field):
+    return crc32(field.vec.FV().NumPy())
+
+
+def _Laws(problem):
+    """(words, law) of the laws whose attributes can be set: those of the package are frozen."""
+    for foundation in problem.foundation:
+        for role in ("compliance", "friction"):
+            law = getattr(foundation, role)
+            if hasattr(law, "__dict__") and not getattr(getattr(law, "__dataclass_params__", None), "frozen", False):
+                yield f"{role} on {foundation.boundary!r}", law
+
+
+def _Plain(law):
+    """What tells the attributes of a law apart, {name: value}; functions and other objects by their identity."""
+    def Told(value):
+        if isinstance(value, np.ndarray):
+            return value.tobytes()
+        return value if isinstance(value, (int, float, str)) else id(value)
+    return {name: Told(value) for name, value in vars(law).items()}
 
 
 def _Functions(problem):

@@ -8,6 +8,7 @@ from functools import wraps
 from typing import Any, TypeVar
 
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from .kinds import Mistaken, Short
 from .names import Meant
 
 Public = TypeVar("Public")
@@ -41,12 +42,24 @@ def _Told(function: Any) -> Any:
     def Call(*arguments, **keywords):
         try:
             return function(*arguments, **keywords)
-        except TypeError as error:
-            # Raised inside the function there would be its frame: here Python could not hand over the arguments.
-            if error.__traceback__ is None or error.__traceback__.tb_next is not None:
-                raise
-        raise ProblemError(_Mistake(function, arguments, keywords))
+        except (ProblemError, NotConvergedError):
+            raise
+        except Exception as error:
+            if words := _Cause(error, function, arguments, keywords):
+                raise ProblemError(words) from error
+            raise
     return Call
+
+
+def _Cause(error, function, arguments, keywords):
+    """Words for arguments that do not fit the signature, or one of the wrong kind; None if a call has failed otherwise."""
+    try:
+        given = inspect.signature(function).bind(*arguments, **keywords).arguments
+    except TypeError:
+        return _Mistake(function, arguments, keywords)
+    if isinstance(error, OSError) and (path := given.get("path", given.get("folder"))) is not None:
+        return f"{Short(path)} cannot be written: {error.strerror or error}; choose another file or folder"
+    return next((words for name, value in given.items() if (words := Mistaken(name, value))), None)
 
 
 def _Mistake(function: Callable[..., Any], arguments: tuple[Any, ...], keywords: dict[str, Any]) -> str:
@@ -72,18 +85,12 @@ def _Mistake(function: Callable[..., Any], arguments: tuple[Any, ...], keywords:
         if len(extra) > len(free):
             return (f"{words}: {len(arguments)} by position are too many; it takes {', '.join(known) or 'none'}, leave out the "
                     "rest")
-        given = ", ".join(f"{name}={_Short(value)}" for name, value in zip(free, extra))
-        return (f"{words}: {', '.join(map(_Short, extra))} by position; its arguments are given by name: {given}"
-                if not positional else f"{words}: {', '.join(map(_Short, extra))} by position; give it by name: {given}")
+        given = ", ".join(f"{name}={Short(value)}" for name, value in zip(free, extra))
+        return (f"{words}: {', '.join(map(Short, extra))} by position; its arguments are given by name: {given}"
+                if not positional else f"{words}: {', '.join(map(Short, extra))} by position; give it by name: {given}")
     missing = [p.name for p in parameters if p.default is p.empty and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)
                and p.name not in several and p.name not in keywords]
     return f"{words}: {', '.join(missing)} missing; give {', '.join(f'{name}=...' for name in missing)}"
-
-
-def _Short(value: Any) -> str:
-    """repr in one short line."""
-    words = " ".join(repr(value).split())
-    return words if len(words) <= 60 else words[:57] + "..."
 
 
 for one in (NotConvergedError, SolveInterrupted):     # their module is imported by this one

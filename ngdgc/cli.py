@@ -8,6 +8,7 @@ from pathlib import Path
 
 from . import __version__
 from .arguments import Finite, NumberOrAuto, Positive
+from .attackcommand import AddAttack
 from .benchcommands import AddBench
 from .casefiles import CaseFiles, Compared, LoadCase
 from .comparecommand import AddCompare
@@ -100,6 +101,7 @@ def _Parser():
     AddStudies(commands)
     AddBench(commands)
     AddCompare(commands)
+    AddAttack(commands)
     _AddStability(commands)
     return parser
 

@@ -28,7 +28,7 @@ from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
 from .state import AsRead, State
 from .validation import CheckData, CheckMesh, CheckRegions
-from .values import HIGHEST, Integer
+from .values import Among, HIGHEST, Integer
 
 if TYPE_CHECKING:
     from .history import Step
@@ -69,7 +69,7 @@ class Discretization(LinearEquations):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
         if isinstance(method, type) or not hasattr(method, "Form"):
             raise ProblemError(f"method is {method!r}; give an object such as InteriorPenalty() or Conforming()")
-        if assembly not in ("facet", "skeleton"):
+        if not Among(assembly, ("facet", "skeleton")):
             raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
         CheckMesh(problem, mesh)
         most = HIGHEST[mesh.dim]
@@ -297,4 +297,7 @@ class Discretization(LinearEquations):
 
     def Response(self, traction: Array) -> Array:
         """S t = A^-1 T' W t, the displacement caused by a traction t (n, d) on Gamma_C, as coefficients (ndof,)."""
+        shape = self.contact.normals.shape
+        if np.shape(traction) != shape:
+            raise ProblemError(f"traction has shape {np.shape(traction)}; give one at the contact points, {shape}")
         return self.SolveLinear(self.contact.Load(traction))

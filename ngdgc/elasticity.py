@@ -15,6 +15,7 @@ from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
 from .exceptions import ProblemError
 from .formula import Described
 from .protocols import Array, Datum
+from .values import Among
 
 
 def Strain(u: Any) -> Any:
@@ -78,7 +79,7 @@ class HookeMaterial:
         return Described(self, *(("mu", "lam") if self.E is None else ("E", "nu")), "plane")
 
     def __post_init__(self) -> None:
-        if self.plane not in ("strain", "stress"):
+        if not Among(self.plane, ("strain", "stress")):
             raise ProblemError(f"plane={self.plane!r}; choose 'strain' or 'stress'")
         given = {name for name in ("E", "nu", "mu", "lam") if getattr(self, name) is not None}
         if given == {"E", "nu"}:

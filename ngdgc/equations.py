@@ -5,11 +5,15 @@ from abc import ABC, abstractmethod
 from threading import RLock
 from typing import Any
 
+import numpy as np
+
+from .calls import ByKeyword
 from .exceptions import ProblemError
 from .facets import Threads
 from .protocols import Array
 
 
+@ByKeyword
 class LinearEquations(ABC):
     """A x = b with symmetric or unsymmetric sparse matrices on one space, solved as `inversekind` says.
 
@@ -60,6 +64,9 @@ class LinearEquations(ABC):
             return vector
 
     def _Apply(self, operator, vector):
+        if np.shape(vector) != (self.matrix.width,):
+            raise ProblemError(f"a vector of shape {np.shape(vector)} is given; give the {self.matrix.width} coefficients of a "
+                               "function in the space")
         source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
         source.FV().NumPy()[:] = vector
         with Threads(self.mesh):

@@ -22,6 +22,7 @@ from .foundation import Foundation
 from .graph import SEPARATION, SLIP, STICK
 from .laws import CoulombFriction, FrictionLaw, NormalCompliance, TrescaFriction
 from .problem import ContactProblem
+from .values import Among, Finite, Positive
 
 WALLS = {2: "left|right", 3: "back|left|front|right"}      # all but bottom and top
 OBLIQUE = 0.6, 0.8      # direction of the tangential displacement on Gamma_C in 3D: no axis, no diagonal of a mesh
@@ -78,7 +79,7 @@ def _Plane(ut, un, dim):
 @ByKeyword
 def CheckDimension(dim: int) -> None:
     """Raise ProblemError unless dim is 2 or 3."""
-    if dim not in (2, 3):
+    if not Among(dim, (2, 3)):
         raise ProblemError(f"dim is {dim!r}; choose 2 or 3")
 
 
@@ -100,10 +101,12 @@ def AffinePatch(zone: str, *, material: HookeMaterial | None = None, stiffness: 
     array([1])
     """
     CheckDimension(dim)
-    material = material or HookeMaterial(mu=1000.0, lam=1500.0)
+    material, gap = Recipe(material, mu=1000.0, lam=1500.0), Finite(gap, "gap")
     law: Any = NormalCompliance(stiffness, exponent)
     friction: Any = TrescaFriction(bound) if coulomb is None else CoulombFriction(coulomb)
-    if zone not in ("slip", "stick", "open"):
+    for name, value in (("stiffness", stiffness), ("bound", bound), ("coulomb", 0 if coulomb is None else coulomb)):
+        Finite(value, name)     # a function would do for a law, and not here
+    if not Among(zone, ("slip", "stick", "open")):
         raise ProblemError(f"zone is {zone!r}; choose 'slip', 'stick' or 'open'")
     w = gap + (0.2 if zone != "open" else -0.05)
     pressure = float(law.Pressure(w - gap))
@@ -118,15 +121,23 @@ def AffinePatch(zone: str, *, material: HookeMaterial | None = None, stiffness: 
     return Exact(ContactProblem(material, foundation, **_Supports(material, u, sides)), u, _Everywhere(zones[zone]))
 
 
+@ByKeyword
+def Recipe(material: Any, **default: float) -> HookeMaterial:
+    """The material, or the default for None; ProblemError for another kind than a HookeMaterial."""
+    if not isinstance(material, (HookeMaterial, type(None))):
+        raise ProblemError(f"material is {material!r}; give a HookeMaterial, whose mu and lam the recipe needs")
+    return HookeMaterial(**default) if material is None else material
+
+
 def _Supports(material, u, sides):
     stress, n, walls = Traction(material, u), specialcf.normal(u.dim), WALLS[u.dim]
+    if not Among(sides, ("dirichlet", "traction", "roller")):
+        raise ProblemError(f"sides is {sides!r}; choose 'dirichlet', 'traction' or 'roller'")
     if sides == "dirichlet":
         return {"dirichlet": {f"{walls}|top": u}}
     if sides == "traction":
         return {"dirichlet": {"top": u}, "traction": {walls: stress}}
-    if sides == "roller":
-        return {"dirichlet": {"top": u}, "roller": {walls: u * n}, "traction": {walls: stress - (stress * n) * n}}
-    raise ProblemError(f"sides is {sides!r}; choose 'dirichlet', 'traction' or 'roller'")
+    return {"dirichlet": {"top": u}, "roller": {walls: u * n}, "traction": {walls: stress - (stress * n) * n}}
 
 
 @ByKeyword
@@ -145,10 +156,12 @@ def WinklerColumn(*, stiffness: float = 100.0, exponent: float = 1, material: Ho
     >>> round(WinklerColumn(stiffness=100, pressure=20, gap=0.1).displacement(mesh(0, 0))[1], 12)
     -0.3
     """
-    if load not in ("displacement", "pressure"):
+    if not Among(load, ("displacement", "pressure")):
         raise ProblemError(f"load is {load!r}; choose 'displacement' or 'pressure'")
-    material = material or HookeMaterial(mu=1000.0, lam=1500.0)
-    depth = gap + (pressure / stiffness) ** (1 / exponent)
+    material, gap = Recipe(material, mu=1000.0, lam=1500.0), Finite(gap, "gap")
+    stiffness, exponent, pressure, height = (Positive(value, name, "it must be a positive number") for name, value in (
+        ("stiffness", stiffness), ("exponent", exponent), ("pressure", pressure), ("height", height)))
+    depth = gap + float(np.float64(pressure / stiffness) ** (1 / exponent))
     rate = pressure / (material.lam + 2 * material.mu)
     top: dict[str, Any] = ({"dirichlet": {"top": CF((0, -depth - rate * height))}} if load == "displacement"
            else {"traction": {"top": CF((0, -pressure))}})
@@ -172,6 +185,9 @@ def SmoothSlip(*, lam: float = 1.0, mu: float = 2.0, stiffness: float = 1.0, exp
     3
     """
     CheckDimension(dim)
+    mu, lam = Finite(mu, "mu"), Finite(lam, "lam")
+    stiffness, exponent = (Positive(value, name, "it must be a positive number") for name, value in (
+        ("stiffness", stiffness), ("exponent", exponent)))
     if not (mu > 1 and lam > 0):
         raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; take mu > 1 and lam > 0, else the foundation would pull")
     material = HookeMaterial(mu=mu, lam=lam)
@@ -179,7 +195,8 @@ def SmoothSlip(*, lam: float = 1.0, mu: float = 2.0, stiffness: float = 1.0, exp
     c = 1 / (1 + lam)
     u = _Plane(s * exp(s * height) * (1 + c) / 6, height * exp(s * height) * (c - 1) / 6, dim)
     pressure = lam * (mu - 1) / (3 * (1 + lam))
-    foundation = Foundation("bottom", NormalCompliance(stiffness, exponent), gap=-(pressure / stiffness) ** (1 / exponent),
+    gap = -float(np.float64(pressure / stiffness) ** (1 / exponent))
+    foundation = Foundation("bottom", NormalCompliance(stiffness, exponent), gap=gap,
                             friction=CoulombFriction(mu * s ** 2 * (lam + 2) / (6 * (1 + lam)) / pressure))
     problem = ContactProblem(material, foundation, dirichlet={f"{WALLS[dim]}|top": u}, bodyforce=BodyForce(material, u))
     return Exact(problem, u, _Everywhere(SLIP))
@@ -195,7 +212,7 @@ def CubicCompliance(*, E: float = 12000.0, nu: float = 0.42, alpha: float = 0.05
     >>> CubicCompliance().zones(np.zeros((1, 2)))
     array([2])
     """
-    material = HookeMaterial(E=E, nu=nu)
+    material, alpha = HookeMaterial(E=Finite(E, "E"), nu=Finite(nu, "nu")), Finite(alpha, "alpha")
     u = alpha * CF((2 * x * y + x * y ** 2, -x ** 2 * (1 + y)))
     foundation = Foundation("bottom", NormalCompliance(material.lam + 2 * material.mu), friction=friction)
     problem = ContactProblem(material, foundation,

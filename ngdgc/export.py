@@ -13,6 +13,7 @@ from .elasticity import HookeMaterial
 from .exceptions import ProblemError
 from .facets import Coordinates, VolumePoints
 from .solution import CheckSolution
+from .values import Finite
 from .vtkfiles import VERTEX, ElementGrid, WriteUnstructured
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
@@ -79,7 +80,7 @@ class Scene:
 
     def __init__(self, solution, *, scale=1):
         CheckSolution(solution)
-        self.solution, self.scale = solution, scale
+        self.solution, self.scale = solution, Finite(scale, "scale", "give a number, 1 for the displacement as it is")
 
     def __repr__(self):
         return f"{type(self).__name__}({self.solution!r}, scale={self.scale:g})"

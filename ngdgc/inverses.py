@@ -15,6 +15,7 @@ from .exceptions import ProblemError
 from .iterative import DirectMemory, IterativeInverse
 from .memory import CheckMemory
 from .solenoidal import NeedsSolenoidal, Swelling
+from .values import Among
 
 SYMMETRIC = "sparsecholesky", "pardisospd", "iterative"
 LIKEFACTORS = 1e-11         # relative residual of solutions that take the place of a factorisation's
@@ -30,16 +31,19 @@ def Kind(disc, wanted):
 
     Raises ProblemError for an unknown inverse, one that is not installed, and Cholesky's of an unsymmetric matrix.
     """
+    if not Among(wanted, ("auto", *SYMMETRIC, "umfpack")):
+        raise ProblemError(f"inverse is {wanted!r}; choose auto, {', '.join(SYMMETRIC)} or umfpack")
     if wanted == "auto":
         if not disc.symmetric:
             return "umfpack"
         if disc.mesh.dim == 3 and disc.method.discontinuous and Iterated(disc):
             return "iterative"
         return Direct()
-    if wanted not in (*SYMMETRIC, "umfpack"):
-        raise ProblemError(f"inverse is {wanted!r}; choose auto, {', '.join(SYMMETRIC)} or umfpack")
     if wanted in SYMMETRIC and not disc.symmetric:
         raise ProblemError(f"inverse={wanted!r} is for symmetric matrices, and this form is not; take inverse='auto'")
+    if wanted == "iterative" and not disc.method.discontinuous:
+        raise ProblemError(f"inverse='iterative' is for discontinuous methods, and {disc.method.name} is continuous; take "
+                           "inverse='auto'")
     if wanted == "pardisospd" and not HasPardiso():
         raise ProblemError("inverse='pardisospd' needs the library MKL and NGSolve 6.2.2608 or newer; install them, "
                            "pip install --upgrade ngdgc[mkl] ngsolve, or take inverse='auto'")

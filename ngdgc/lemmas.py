@@ -25,6 +25,7 @@ from .lifting import Lifting
 from .meshchecks import CheckSkeleton
 from .protocols import Array
 from .stability import ExtremeEigenvalue, FreePart, Inverse, SmallestEigenvalue, Symmetric
+from .values import Vectors
 
 if TYPE_CHECKING:
     from .problem import ContactProblem
@@ -120,6 +121,7 @@ def DualNorm(disc: Discretization, functional: Array) -> float:
     F [stress length^d per length of v].  Raises ProblemError for a body that only its foundation holds.
     """
     _CheckHeld(disc)
+    functional = Vectors(functional, (disc.space.ndof,), "functional", f"give its {disc.space.ndof} coefficients")
     free = disc.space.FreeDofs()
     with Threads(disc.mesh):
         inverse = Inverse(FreePart(NormMatrix(disc), free))

@@ -18,6 +18,7 @@ from .values import HIGHEST, Integer, Positive, Reals
 CELLS = ("triangle", "triangle-flipped", "quad")
 BOXCELLS = ("tet", "hex", "prism")
 MOST = 2 ** 20      # cells per side; fewer are refused by what memory is free
+LEAST = 1e-90       # size of elements: the power of a smaller one is 0
 # Elements as large as the radius of what they follow, and neighbours of twice the size: with Netgen's own 2 and 0.3 small holes
 # and fillets decide the size of all the mesh, whatever maxh.
 CURVATURE, GRADING = 1, 0.5
@@ -103,7 +104,7 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
 def _Elements(shape, maxh):
     """About how many elements fill a shape, at least those along its faces and edges, which may ask for smaller ones."""
     # Of equal sides: six tetrahedra in a cube of their size, two triangles in a square.
-    return max(count * sum(part.mass / min(part.maxh, maxh) ** dim for part in parts)
+    return max(count * sum(part.mass / max(min(part.maxh, maxh), LEAST) ** dim for part in parts)
                for count, dim, parts in ((6, 3, shape.solids), (2, 2, shape.faces), (1, 1, shape.edges)))
 
 

@@ -17,7 +17,7 @@ from .parallel import Batched
 from .penalty import MARGIN, LargestEigenvalues, Penalty
 from .skeleton import Clamped, Interior, Roller, SkeletonForm
 from .skeletonlifting import LiftedSkeletonForm
-from .values import HIGHEST, Integer, Positive
+from .values import Among, HIGHEST, Integer, Positive
 
 if TYPE_CHECKING:
     from .problem import ContactProblem
@@ -59,12 +59,12 @@ class DiscontinuousGalerkin:
     def __post_init__(self) -> None:
         if not (isinstance(self.penalty, str) and self.penalty == "auto"):
             object.__setattr__(self, "penalty", Positive(self.penalty, "penalty", "give 'auto' or a positive number"))
-        if self.weighting not in (None, "mu", "C"):
+        if not Among(self.weighting, (None, "mu", "C")):
             raise ProblemError(f"weighting is {self.weighting!r}; choose 'mu' or 'C'")
         if self.weighting is not None and self.stabilisation == "lifting":
             raise ProblemError(f"weighting={self.weighting!r} does not apply to {self.name}: r_e is weighted by C; "
                                "leave it out")
-        if self.form not in ("edge", "lifting"):
+        if not Among(self.form, ("edge", "lifting")):
             raise ProblemError(f"form is {self.form!r}; choose 'edge' or 'lifting'")
         self._CheckLifting()
 

@@ -19,6 +19,7 @@ from functools import cached_property
 import numpy as np
 from ngsolve import L2, GridFunction, OuterProduct, Sym
 
+from .exceptions import ProblemError
 from .facets import VolumePoints
 from .parallel import Map
 
@@ -65,7 +66,11 @@ def LargestEigenvalues(upper, cells):
     upper, lower, rotations = upper[select], lower[select], rotations[:, moving]
     scale = np.trace(lower, axis1=1, axis2=2) / np.square(rotations).sum(axis=(1, 2))
     lower = lower + scale[:, None, None] * rotations @ np.swapaxes(rotations, 1, 2)
-    factor = np.linalg.inv(np.linalg.cholesky(lower))
+    try:
+        factor = np.linalg.inv(np.linalg.cholesky(lower))
+    except np.linalg.LinAlgError as error:
+        raise ProblemError("the material is not positive definite at some quadrature point of the elements; look at its sign "
+                           "and size everywhere, where it is a function") from error
     return np.linalg.eigvalsh(factor @ upper @ np.swapaxes(factor, 1, 2))[:, -1]
 
 

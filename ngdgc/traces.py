@@ -19,7 +19,7 @@ from .calls import ByKeyword
 from .coefficients import Scalar, ValuesAt
 from .derivatives import Derivative
 from .elasticity import HookeMaterial
-from .exact import WALLS, BodyForce, CheckDimension, Exact
+from .exact import WALLS, BodyForce, CheckDimension, Exact, Recipe
 from .exceptions import ProblemError
 from .foundation import Foundation
 from .graph import SEPARATION, SLIP, STICK
@@ -28,6 +28,8 @@ from .laws import CoulombFriction, LawAt, NormalCompliance
 from .meshes import RectangleMesh
 from .problem import ContactProblem
 from .protocols import Datum
+from .values import Finite, Integer, Vectors
+from .values import Positive as PositiveNumber
 
 SAMPLES = 2001      # points of (0,1) at which traces are held against the law
 ROUNDOFF = 1e-9     # of values that a user's formula and a user's law compute in two ways
@@ -57,11 +59,9 @@ def FromTraces(foundation: Foundation, *, un: Datum, ut: Datum = 0.0, pressure: 
     array([2])
     """
     CheckDimension(dim)
-    material = material or HookeMaterial(E=2500, nu=0.2)
+    material = Recipe(material, E=2500, nu=0.2)
     if not isinstance(foundation, Foundation) or foundation.boundary != "bottom":
         raise ProblemError(f"foundation is {foundation!r}; give a Foundation of the region 'bottom'")
-    if not isinstance(material, HookeMaterial):
-        raise ProblemError(f"material is {material!r}; give a HookeMaterial, whose mu and lam the recipe needs")
     traces = _Traces(un=un, ut=ut, pressure=pressure, shear=shear)
     traces.CheckSmooth()
     traces.CheckLaw(foundation)
@@ -86,7 +86,10 @@ def ThreeZones(*, stiffness: float = 250.0, coefficient: float = 0.4, ends: tupl
     >>> ThreeZones().zones(np.array([[0.1, 0], [0.5, 0], [0.9, 0]]))     # stick, slip, separation
     array([1, 2, 0])
     """
-    a, b = ends
+    a, b = Vectors(ends, (2,), "ends", "choose 0 < a < b < 1").tolist()
+    stiffness, coefficient, un, ut, reserve = (Finite(value, name) for name, value in (
+        ("stiffness", stiffness), ("coefficient", coefficient), ("un", un), ("ut", ut), ("reserve", reserve)))
+    gap = Scalar(gap, "gap")
     if not 0 < a < b < 1:
         raise ProblemError(f"ends is {ends!r}; choose 0 < a < b < 1")
     foundation = Foundation("bottom", NormalCompliance(stiffness), friction=CoulombFriction(coefficient), gap=gap)
@@ -112,10 +115,10 @@ def RigidLimit(*, stiffness: float, load: float = 5.0, opening: float = 0.02, co
     >>> RigidLimit(stiffness=1e6).zones(np.array([[0.1, 0], [0.5, 0], [0.9, 0]]))     # stick, slip, separation
     array([1, 2, 0])
     """
-    if not stiffness > 0:
-        raise ProblemError(f"stiffness is {stiffness!r}; it must be positive")
+    stiffness, load, opening = (PositiveNumber(value, name, "it must be positive") for name, value in (
+        ("stiffness", stiffness), ("load", load), ("opening", opening)))
     soft = ThreeZones(stiffness=stiffness, coefficient=coefficient, ends=ends, un=load / stiffness, ut=ut, reserve=reserve)
-    (foundation,), material, (a, b) = soft.problem.foundation, soft.problem.material, ends
+    (foundation,), material, (a, b) = soft.problem.foundation, soft.problem.material, map(float, ends)
     pressure = load * Positive(b - x, 3)
     u = _Traces(un=-opening * Positive(x - b, 3), ut=ut * Positive(x - a, 3), pressure=pressure,
                 shear=coefficient * pressure - reserve * Positive(a - x, 2)).Displacement(material, 2)
@@ -126,6 +129,7 @@ def RigidLimit(*, stiffness: float, load: float = 5.0, opening: float = 0.02, co
 @ByKeyword
 def Positive(distance: Any, power: int) -> Any:
     """(distance)_+^power, an integer power of the positive part that NGSolve differentiates piece by piece."""
+    distance, power = CF(Scalar(distance, "distance")), Integer(power, "power", "give an integer of at least 0", least=0)
     return IfPos(distance, distance ** power, 0)
 
 

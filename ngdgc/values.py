@@ -35,6 +35,19 @@ def Positive(value, name, remedy, *, below=np.inf, least=None):
     return number
 
 
+def Finite(value, name, remedy="give a finite number"):
+    """The number as a float; else ProblemError, which ends with the remedy."""
+    number = Number(value) if IsNumber(value) else np.nan
+    if not -np.inf < number < np.inf:
+        raise ProblemError(f"{name} is {value!r}; {remedy}")
+    return float(number)
+
+
+def Among(value, choices):
+    """Is a value one of the choices, words, integers or None?  Arrays, which compare with each of them, are not."""
+    return (value is None or isinstance(value, (str, Integral))) and value in choices
+
+
 def Integer(value, name, remedy, *, least=1, most=None):
     """The integer, least <= value <= most, as Python's; else ProblemError, which ends with the remedy."""
     if isinstance(value, np.ndarray) and value.ndim == 0:

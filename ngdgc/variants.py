@@ -8,6 +8,7 @@ from .calls import ByKeyword
 from .exceptions import ProblemError
 from .methods import METHODS
 from .names import Meant
+from .values import Among
 
 FORMS = ("edge", "lifting")
 PAPER = ("ip", "bassi", "brezzi", "ldg", "h1")
@@ -37,12 +38,12 @@ def Variants(method: str = "all", *, form: str | None = None, penalty: Any = "au
     >>> list(Variants("ip"))
     ['IP edge', 'IP lifting']
     """
-    if method != "all" and method not in METHODS:
-        raise ProblemError(f"no method {method!r}; choose all or one of {', '.join(METHODS)}{Meant(method, METHODS)}")
-    if form not in (*FORMS, None):
+    if not Among(method, ("all", *METHODS)):
+        raise ProblemError(f"no method {method!r}; choose all or one of {', '.join(METHODS)}{Meant(str(method), METHODS)}")
+    if not Among(form, (*FORMS, None)):
         raise ProblemError(f"form is {form!r}; choose edge or lifting, or give none for both")
     for name, value, default in (("form", form, None), ("penalty", penalty, "auto")):
-        if method == "h1" and value != default and not isinstance(value, dict):
+        if method == "h1" and not isinstance(value, dict) and not Among(value, (default,)):
             raise ProblemError(f"{name} does not apply to method 'h1'; leave it out")
     penalties = penalty if isinstance(penalty, dict) else dict.fromkeys(METHODS, penalty)
     chosen = []

@@ -4,7 +4,7 @@ import numpy as np
 from conftest import Example
 from mistakes import Disc, On
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, H1, CacheCF, Grad, GridFunction, Mesh, SurfaceL2, VectorH1, sqrt, x, y
+from ngsolve import CF, H1, CacheCF, Grad, GridFunction, IfPos, Mesh, SurfaceL2, VectorH1, sqrt, x, y
 
 from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, CoulombFriction, Discretization, HookeMaterial,
                    NormalCompliance, TrescaFriction)
@@ -75,6 +75,8 @@ DATA = [
     (lambda _: Example(material=AnisotropicMaterial(np.eye(6))), "material: 3 | different dimensions | give all of them"),
     (lambda _: Discretization(ContactProblem(HookeMaterial(E=1, nu=0.3, plane="stress"), On(), roller={"top": 0}),
                               LDG(), BoxMesh(1)), "plane='stress' on a mesh of dimension 3 | in 2D only | take plane='strain'"),
+    (lambda _: Disc(material=HookeMaterial(mu=IfPos(0.97 - y, 1000, -1e6), lam=1000), order=5).matrix,
+     "the material is not positive definite | some quadrature point | look at its sign and size everywhere"),
     (lambda _: Disc(Conforming(), material=HookeMaterial(E=1000 + sqrt(0.97 - y), nu=0.3), order=5).matrix,
      "the material is not finite | some quadrature point | look for a division by zero"),
     (lambda _: Disc(material=HookeMaterial(E=1000 + sqrt((x - 0.5) ** 2 - 1e-10), nu=0.3)).matrix,

@@ -17,6 +17,7 @@ RESULTS = [
     (lambda _: ComparisonFigure({"IP": Disc()}),
      "solution 'IP' is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: Animation([Solve(Disc()), Example()]), "solution 2 is ContactProblem( | a ContactSolution | give"),
+    (lambda _: DeformedFigure(Solve(Disc()), scale="large"), "scale is 'large' | a number | 1 for the displacement as it is"),
     (lambda _: DeformedFigure(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: SettingFigure(Solve(Disc())),
      "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),

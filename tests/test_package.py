@@ -19,7 +19,7 @@ SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("
 # Who may import whom: only from lines above.
 LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfaces", "parallel", "peers", "protocols",
            "signals", "tables"],
-          ["files", "memory", "names", "report", "values"], ["calls", "regions", "userlaws"],
+          ["files", "memory", "names", "report", "values"], ["kinds"], ["calls", "regions", "userlaws"],
           ["inside"], ["casefiles", "coefficients", "derivatives", "meshes"],
           ["hypotheses"], ["elasticity", "laws"], ["foundation"],
           ["problem", "facets"], ["meshchecks", "state"], ["quadrature", "added", "equations"], ["storage"],
@@ -40,10 +40,11 @@ LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfac
           ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies",
            "plots.atlas", "plots.sweep", "plots.bench", "plots.law", "plots.zones"], ["plots.comparison"],
           ["plots.__init__"],
+          ["hostile", "targets"], ["attack"],
           ["atlas"], ["bench"],
           ["accuracy", "atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output",
            "stabilitystudy", "sweep", "table3"],
-          ["studies"], ["benchcommands", "comparecommand"], ["cli"], ["exercises.checker"],
+          ["studies"], ["attackcommand", "benchcommands", "comparecommand"], ["cli"], ["exercises.checker"],
           ["exercises.winkler", "exercises.spaces", "exercises.fluxes", "exercises.liftings", "exercises.iteration",
            "exercises.newton", "exercises.table", "exercises.rigid", "exercises.locking", "exercises.law"],
           ["exercises.__init__"]]

@@ -7,6 +7,7 @@ from matplotlib.lines import Line2D
 from ..calls import ByKeyword
 from ..exceptions import ProblemError
 from ..solution import CheckSolution
+from ..values import Finite
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Panel, Unconverged
 from .curves import Along, Left
 from .deformed import DrawElements
@@ -29,6 +30,7 @@ def ComparisonFigure(solutions, *, scale=1):
 
     Raises ProblemError if there is no solution, or if dimension or foundations differ.
     """
+    scale = Finite(scale, "scale", "give a number, 1 for the displacement as it is")
     if not isinstance(solutions, dict) or not solutions:
         raise ProblemError(f"solutions is {solutions!r}; give a dictionary of ContactSolutions by their labels, "
                            'such as {"IP": first, "H1": second}')

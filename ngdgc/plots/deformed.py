@@ -7,6 +7,7 @@ from ..calls import ByKeyword
 from ..coefficients import ValuesAt
 from ..facets import Coordinates
 from ..solution import CheckSolution
+from ..values import Finite
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, Left, SplitByElement
 from .solid import DeformedSurface
@@ -22,6 +23,7 @@ def DeformedFigure(solution, *, scale=1):
     beyond Gamma_C, as far as the body has slid.  In 3D the surface of the body, seen from below, without the foundations.
     """
     CheckSolution(solution)
+    scale = Finite(scale, "scale", "give a number, 1 for the displacement as it is")
     disc, contact = solution.disc, solution.disc.contact
     if disc.mesh.dim == 3:
         return DeformedSurface(solution, scale)

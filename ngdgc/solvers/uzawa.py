@@ -11,7 +11,7 @@ import numpy as np
 from ..calls import ByKeyword
 from ..exceptions import ProblemError
 from ..hypotheses import BoundDerivatives, SlipFactor
-from ..values import IsNumber, Positive
+from ..values import Among, IsNumber, Positive
 from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
 from .driver import CheckLimits, Current, Drive, Iterate
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
@@ -87,9 +87,9 @@ class UzawaSolver:
                      acceleration: Literal["anderson"] | None = None) -> None: ...
 
     def __post_init__(self) -> None:
-        if self.normal not in ("explicit", "implicit"):
+        if not Among(self.normal, ("explicit", "implicit")):
             raise ProblemError(f"normal is {self.normal!r}; choose 'explicit' or 'implicit'")
-        if self.acceleration not in (None, "anderson"):
+        if not Among(self.acceleration, (None, "anderson")):
             raise ProblemError(f"acceleration is {self.acceleration!r}; choose None or 'anderson'")
         if isinstance(self.rho, str) and self.rho == "adaptive":
             if self.normal == "explicit" or self.acceleration:

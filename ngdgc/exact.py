@@ -122,7 +122,7 @@ def AffinePatch(zone: str, *, material: HookeMaterial | None = None, stiffness: 
 
 
 @ByKeyword
-def Recipe(material: Any, **default: float) -> HookeMaterial:
+def Recipe(material: Any, **default: Any) -> HookeMaterial:
     """The material, or the default for None; ProblemError for another kind than a HookeMaterial."""
     if not isinstance(material, (HookeMaterial, type(None))):
         raise ProblemError(f"material is {material!r}; give a HookeMaterial, whose mu and lam the recipe needs")

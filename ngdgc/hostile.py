@@ -2,6 +2,7 @@
 
 from decimal import Decimal
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 from ngsolve import CF, H1, L2, GridFunction, IfPos, Parameter, VectorH1, sin, specialcf, sqrt, x, y
@@ -15,9 +16,10 @@ ARRAYS = (np.float32(0.3), np.float64(2), np.int8(2), np.int64(-3), np.bool_(Tru
           np.array([None, 1], dtype=object), np.array([1 + 1j, 0]))
 WORDS = ("", "a", "auto", "adaptive", "top", "bottom", "left|right", ".*", "nowhere", "(", "(?i)top", "\\", "a\0b", "ä€",
          b"top", "stress", "edge", "lifting", "None", "1", "x" * 1000)
-THINGS = (None, ..., NotImplemented, [], (), {}, set(), frozenset([1]), range(3), slice(0, 1), [None], (1, 2), [0.0, -0.1],
-          (1, 2, 3), (0, 0, 0, 0), ((1, 2), (3, 4)), [[1, 2], [3]], {"top": 1}, {"top": (0, 0)}, {"nowhere": (0, 0)}, {1: 2},
-          {None: None}, int, len, print, object, ValueError, ValueError("no"))
+THINGS: tuple[Any, ...] = (
+    None, ..., NotImplemented, [], (), {}, set(), frozenset([1]), range(3), slice(0, 1), [None], (1, 2), [0.0, -0.1], (1, 2, 3),
+    (0, 0, 0, 0), ((1, 2), (3, 4)), [[1, 2], [3]], {"top": 1}, {"top": (0, 0)}, {"nowhere": (0, 0)}, {1: 2}, {None: None}, int,
+    len, print, object, ValueError, ValueError("no"))
 
 
 class OddLaw(ComplianceLaw):

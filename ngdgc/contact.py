@@ -11,6 +11,7 @@ import scipy.sparse as sp
 from ngsolve import VOL, ElementId
 
 from .coefficients import ValuesAt
+from .exceptions import ProblemError
 from .hypotheses import CheckCompliance, CheckFriction, SlipFactor
 from .laws import LawAt
 from .protocols import Array
@@ -138,6 +139,8 @@ class ContactBoundary:
 
     def Load(self, traction: Array) -> Array:
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""
+        if np.shape(traction) != self.normals.shape:
+            raise ProblemError(f"traction has shape {np.shape(traction)}; give one at the contact points, {self.normals.shape}")
         return self.trace.T @ (self.weights[:, None] * traction).ravel()
 
 

@@ -28,7 +28,7 @@ from .skeleton import Coefficients
 from .stability import CheckCoercivity, CheckSum
 from .state import AsRead, State
 from .validation import CheckData, CheckMesh, CheckRegions
-from .values import Among, HIGHEST, Integer
+from .values import Among, Order
 
 if TYPE_CHECKING:
     from .history import Step
@@ -72,9 +72,7 @@ class Discretization(LinearEquations):
         if not Among(assembly, ("facet", "skeleton")):
             raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
         CheckMesh(problem, mesh)
-        most = HIGHEST[mesh.dim]
-        order = Integer(order, "order", f"it must be an integer of at least 1, piecewise constants carry no strain, and in "
-                                        f"{mesh.dim}D at most {most}, up to which methods are tested", most=most)
+        order = Order(order, mesh.dim)
         CheckAssembly(mesh.ne, mesh.dim, order, discontinuous=method.discontinuous)
         self.method: Any = method
         self.problem, self.mesh, self.order, self.assembly = problem, mesh, order, assembly
@@ -297,7 +295,4 @@ class Discretization(LinearEquations):
 
     def Response(self, traction: Array) -> Array:
         """S t = A^-1 T' W t, the displacement caused by a traction t (n, d) on Gamma_C, as coefficients (ndof,)."""
-        shape = self.contact.normals.shape
-        if np.shape(traction) != shape:
-            raise ProblemError(f"traction has shape {np.shape(traction)}; give one at the contact points, {shape}")
         return self.SolveLinear(self.contact.Load(traction))

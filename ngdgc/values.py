@@ -57,6 +57,13 @@ def Integer(value, name, remedy, *, least=1, most=None):
     return int(value)
 
 
+def Order(value, dim):
+    """The order of a method on a mesh of this dimension; else ProblemError."""
+    most = HIGHEST[dim]
+    return Integer(value, "order", "it must be an integer of at least 1, piecewise constants carry no strain, and in "
+                                   f"{dim}D at most {most}, up to which methods are tested", most=most)
+
+
 def Vectors(value, shape, name, remedy):
     """Real finite numbers as an array of this shape; else ProblemError, which ends with the remedy."""
     array = Reals(value, shape)

@@ -12,16 +12,18 @@ from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 from .calls import ByKeyword
 from .exceptions import ProblemError
 from .memory import CheckCells
+from .meshchecks import CheckElements
 from .names import Meant
 from .values import HIGHEST, Integer, Positive, Reals
 
 CELLS = ("triangle", "triangle-flipped", "quad")
 BOXCELLS = ("tet", "hex", "prism")
-MOST = 2 ** 20      # cells per side; fewer are refused by what memory is free
+MOST = 10 ** 9      # cells per side; fewer are refused by what memory is free
 LEAST = 1e-90       # size of elements: the power of a smaller one is 0
 # Elements as large as the radius of what they follow, and neighbours of twice the size: with Netgen's own 2 and 0.3 small holes
 # and fillets decide the size of all the mesh, whatever maxh.
-CURVATURE, GRADING = 1, 0.5
+GRADING = 0.5
+CURVATURE = 1, 1.5, 2, 3        # in turn, until curved elements do not fold
 
 
 @ByKeyword
@@ -84,6 +86,8 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
 
     Boundaries and materials have the names that edges, faces and solids have in the shape.
 
+    Where curved elements would fold all those at curved boundaries are made smaller.
+
     Raises ProblemError for a shape that is empty or no shape, a maxh that is not positive, an order below 1.
 
     >>> from netgen.occ import Circle
@@ -96,9 +100,22 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
     order = Integer(order, "order", f"give the order of the geometry, a positive integer of at most {HIGHEST[2]}",
                     most=HIGHEST[2])
     CheckCells(_Elements(shape, maxh))
-    mesh = Mesh(OCCGeometry(shape, dim=3 if len(shape.solids) else 2).GenerateMesh(
-        maxh=maxh, curvaturesafety=CURVATURE, grading=GRADING))
-    return mesh.Curve(order) if order > 1 else mesh
+    folded = None
+    for curvature in CURVATURE:
+        try:
+            geometry = OCCGeometry(shape, dim=3 if len(shape.solids) else 2)
+            mesh = Mesh(geometry.GenerateMesh(maxh=maxh, curvaturesafety=curvature, grading=GRADING))
+        except Exception as error:      # NgException is no RuntimeError
+            raise ProblemError(f"Netgen finds no mesh of the shape with maxh={maxh:g} ({str(error).strip()}); take a smaller "
+                               "one, or mend the shape") from error
+        if order == 1:
+            return mesh
+        try:
+            CheckElements(mesh.Curve(order))
+            return mesh
+        except ProblemError as error:
+            folded = error
+    raise ProblemError(f"maxh={maxh:g} is too large for the curves of the shape: {folded}")
 
 
 def _Elements(shape, maxh):
@@ -111,7 +128,7 @@ def _Elements(shape, maxh):
 def _Check(n, cells, known):
     if not isinstance(cells, str) or cells not in known:
         raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(known)}{Meant(str(cells), known)}")
-    return Integer(n, "n", "the number of cells per side must be a positive integer", most=MOST)
+    return Integer(n, "n", f"the number of cells per side must be a positive integer of at most {MOST}", most=MOST)
 
 
 def _Corners(lower, upper, dim):

@@ -1,19 +1,30 @@
 """Mistakes in exact solutions, meshes and studies, as in `mistakes`."""
 
+from unittest.mock import patch
+
 import numpy as np
 from conftest import Example
 from mistakes import HELD, Disc, Friction, Nonsymmetric, On
 from netgen.occ import Circle
 from ngsolve import CF, x, y
 
-from ngdgc import (LDG, AnisotropicMaterial, CheckUniqueness, Conforming, Solve, TrescaFriction, accuracy, atlas, bench,
-                   convergence, locking)
+from ngdgc import (LDG, AnisotropicMaterial, CheckUniqueness, Conforming, ProblemError, Solve, TrescaFriction, accuracy, atlas,
+                   bench, convergence, locking, meshes)
 from ngdgc.consistency import ConsistencyResidual
 from ngdgc.exact import AffinePatch, SmoothSlip, WinklerColumn
 from ngdgc.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh, ShapeMesh
 from ngdgc.sweep import Violation
 from ngdgc.traces import FromTraces, Positive, RigidLimit, ThreeZones
+
+
+
+def Meshed(**failing):
+    """A disc, while a part of the making of its mesh fails."""
+    (name, error), = failing.items()
+    with patch.object(meshes, name, side_effect=error):
+        return ShapeMesh(Circle((0, 0), 1).Face(), 1, order=2)
+
 
 STUDIES = [
     (lambda _: AffinePatch("glue"), "zone is 'glue' | 'slip', 'stick' or 'open' | choose"),
@@ -56,6 +67,10 @@ STUDIES = [
     (lambda _: atlas.Point(problem="ball"), "problem is 'ball' | one of | choose"),
     (lambda _: atlas.Point(problem="block", stiffness=None), "stiffness is None | no foundation of its own | give k_n/E"),
     (lambda _: bench.Alone(print, 0), "repeat is 0 | at least one | give the number of runs"),
+    (lambda _: Meshed(CheckElements=ProblemError("element 3 has a map that folds")),
+     "maxh=1 is too large | the curves of the shape | element 3 has a map that folds"),
+    (lambda _: Meshed(OCCGeometry=RuntimeError("Meshing failed!")),
+     "Netgen finds no mesh of the shape with maxh=1 | Meshing failed! | take a smaller one"),
     (lambda _: ShapeMesh(None, 1), "shape is None | a face or a solid | give"),
     (lambda _: ShapeMesh(Circle((0, 0), 1).Face(), 0), "maxh is 0 | a positive number | give"),
     (lambda _: ShapeMesh(Circle((0, 0), 1).Face(), 1, order=0), "order is 0 | a positive integer | give"),

@@ -6,9 +6,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ..calls import ByKeyword
+from ..exceptions import ProblemError
 from ..protocols import Array
-from ..values import Vectors
+from ..values import Reals
 from .correction import CorrectedRun
 from .driver import CheckLimits, Current, Drive
 from .newtonrun import NewtonRun
@@ -65,9 +68,18 @@ class SemismoothNewtonSolver:
         load steps; SolveInterrupted, with the last iterate, on Ctrl-C.
         """
         with Current(disc) as disc:
-            shape = disc.contact.normals.shape
-            if start is not None:
-                start = tuple(Vectors(start, (2, *shape), "start", "give the pair of displacement and traction at the contact "
-                                      f"points, both {shape} and finite"))
+            start = start if start is None else _Start(start, disc.contact.normals.shape)
             run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(self, disc, start)
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
+
+
+def _Start(start, shape):
+    """Displacement and traction as arrays of this shape; ProblemError for anything else."""
+    remedy = f"give the pair of displacement and traction at the contact points, both {shape} and finite"
+    if not isinstance(start, (tuple, list, np.ndarray)) or len(start) != 2:
+        raise ProblemError(f"start is {start!r}; {remedy}")
+    arrays = [Reals(part, shape) for part in start]
+    if any(array is None for array in arrays):
+        shapes = [part.shape if isinstance(part, np.ndarray) else type(part).__name__ for part in start]
+        raise ProblemError(f"start has shapes {shapes}; {remedy}")
+    return tuple(arrays)

@@ -18,4 +18,5 @@ FORCES = [
     (lambda _: Solve(Disc(mesh=Crossed({"ring": [RING]}))).Force("ring", material=".*"),
      "region 'ring' has material '.*' on both sides | without material= | give"),
     (lambda _: Solve(Disc(mesh=Crossed({"lines": [LINE, RING[:2]]}))).Force("lines"),
-     "region 'lines' is an interface of several pieces | on which side | give material=")]
+     "region 'lines' is an interface of several pieces | on which side | give material="),
+    (lambda _: Solve(Disc()).At("a", 0), "point is ('a', 0) | its 2 coordinates | give")]

@@ -1,14 +1,15 @@
 #!/usr/bin/env bash
 # Netgen 6.2.2608: Export(file, "Abaqus Format") writes the boundary as structural elements, all sides of a structured mesh in one set.
 #
-# One would guess: the boundary arrives as node or surface sets under its names, with which Abaqus or CalculiX can fix and load the body.
+# One would guess: the boundary arrives as node or surface sets under its names, with which Abaqus or CalculiX can fix and load the
+# body.
 #
 # What happens:
 #  * A square of MakeStructured2DMesh, or one built by hand with AddRegion, has one set for its boundary.  It has the name of the first
 #    side ("bottom") and holds all segments of all sides; "right", "top" and "left" do not occur in the file, though NGSolve knows them.
 #    Meshes of a geometry (occ) have a set for each side.
-#  * The segments are trusses, T2D2, and the triangles are CPS3: plane stress, whatever was meant.  In 3D the triangles of the boundary are CPS3 beside the C3D4 of the body (CPS6 beside C3D10), plane stress elements that are not even in a plane
-#    z = 0.
+#  * The segments are trusses, T2D2, and the triangles are CPS3: plane stress, whatever was meant.  In 3D the triangles of the boundary
+#    are CPS3 beside the C3D4 of the body (CPS6 beside C3D10), plane stress elements that are not even in a plane z = 0.
 #  * No *NSET and no *SURFACE is written.
 #
 # Why it matters: for the solver the sides are part of the structure.  A section that is given to everything makes trusses and plates of
@@ -17,7 +18,8 @@
 #
 # Source of the guess: the sets of meshes that come from a geometry, and mesh.GetBoundaries(), which is the same for both.
 #
-# A way round: write the sets from NGSolve, [v.nr + 1 for v in el.vertices] of mesh.Elements(BND), and drop the elements on the boundary.
+# A way round: write the sets from NGSolve, [v.nr + 1 for v in el.vertices] of mesh.Elements(BND), and drop the elements on the
+# boundary.
 
 set -euo pipefail
 folder=$(mktemp -d)

@@ -4,8 +4,8 @@
 # One would guess: the same on both sides, either 0 (what the basis functions are outside their knots) or the last value (what the
 # documentation promises of VoxelCoefficient, the other table of NGSolve).
 #
-# What happens: with order 2 (piecewise linear), knots 0, 0, 1, 2, 2 and values 3, 1, 4, the spline interpolates 3, 1, 4 at 0, 1, 2.  Just
-# before 0 it jumps from 3 to 0 and has derivative 0; after 2 it continues with the last slope, 7 at 3, without a bound.  Order 3
+# What happens: with order 2 (piecewise linear), knots 0, 0, 1, 2, 2 and values 3, 1, 4, the spline interpolates 3, 1, 4 at 0, 1, 2.
+# Just before 0 it jumps from 3 to 0 and has derivative 0; after 2 it continues with the last slope, 7 at 3, without a bound.  Order 3
 # continues as a parabola.  So do Integrate(), Differentiate() and the linearisation of forms.  Nothing is raised or printed, and values
 # in excess of the knots are dropped.
 #

@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
 # NGSolve 6.2.2608: definedon={VOL: "steel"} and definedon={BND: "contact"} are no restriction; the names are ignored.
 #
-# One would guess: a name, or a regular expression, works in the dictionary as it does without one, definedon="steel".  The exception for
-# definedonbound=region even recommends the dictionary, "definedon= {VOL: mats, BND: bnds}".
+# One would guess: a name, or a regular expression, works in the dictionary as it does without one, definedon="steel".  The exception
+# for definedonbound=region even recommends the dictionary, "definedon= {VOL: mats, BND: bnds}".
 #
 # What happens:
 #  * A string (or a list of numbers) in the dictionary restricts nothing and raises nothing, whether such a region exists or not.

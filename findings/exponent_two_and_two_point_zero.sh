@@ -3,12 +3,13 @@
 #
 # One would guess: u**2.0, or u**m with m = Parameter(2), is u**2, as it is for floats and numpy arrays.
 #
-# What happens: an int stands for a power, a float, a CF or a Parameter for exp(m log u).
-#  * The integral of gfu**2.0 is NaN where gfu < 0, while the value at a single mesh point, (gfu**2.0)(mesh(x, y)), is right: the look that
-#    is meant to find the NaN does not see it.
+# What happens: an int stands for a power, a float, a CF or a Parameter, wherever several points are computed at a
+# time, evidently for exp(m log u).
+#  * The integral of gfu**2.0 is NaN where gfu < 0, and so are the values at an array of points, while the value at a single mesh point,
+#    (gfu**2.0)(mesh(x, y)), is right: the look that is meant to find the NaN does not see it.
 #  * At u = 0 the value is right (0), and the linearised matrix is NaN: Apply() looks healthy, AssembleLinearization() is not.
-#  * IfPos(u, u**m, 0) is right everywhere.  IfPos(-u, 0, u**m), the same law to the reader, has a NaN matrix at u = 0, since zero is not
-#    positive and goes to the power.
+#  * IfPos(u, u**m, 0) is right everywhere.  IfPos(-u, 0, u**m), the same law to the reader, has a NaN matrix at u = 0, since zero is
+#    not positive and goes to the power.
 #
 # Why it matters: u_+^m is the law of normal compliance, and m is the parameter that one varies.  Every computation begins at u = 0, and
 # almost every point of a contact boundary has u < 0 (a gap) sooner or later.  Newton's method then meets NaN in the first step, with a
@@ -57,6 +58,8 @@ for name, m in exponents.items():
     at_point, integral = (gfu**m)(point), Integrate(gfu**m, mesh)
     print(f"gfu = x - 2:  gfu**{name:12s} at a point {at_point:.4f}   integral {integral:.4f}")
     assert abs(at_point - 1.7**2) < 1e-12
+    array = (gfu**m)(mesh(np.array([0.3, 0.5]), np.array([0.4, 0.5])))
+    assert np.isnan(array).all() if name != "2" else np.allclose(array.ravel(), (1.7**2, 1.5**2))
     assert math.isnan(integral) if name != "2" else abs(integral - 7 / 3) < 1e-12
 
 gfu.vec[:] = 0

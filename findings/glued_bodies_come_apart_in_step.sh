@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # Netgen and NGSolve 6.2.2608: bodies that were glued come apart in a STEP file, while all names survive; BREP does the opposite.
 #
-# One would guess: Glue([steel, rubber]) has one face between the two bodies, and WriteStep() followed by OCCGeometry("part.step") brings
-# back what was written.
+# One would guess: Glue([steel, rubber]) has one face between the two bodies, and WriteStep() followed by OCCGeometry("part.step")
+# brings back what was written.
 #
 # What happens: the two solids come back with their names, and the names of their faces, but the face between them has become two.  The
 # mesh has two nodes in every point of the interface, NGSolve sees two bodies that touch without knowing of each other, and nothing is
 # raised or printed.  WriteBrep() keeps the bodies together and loses every name.  In memory both are right.
 #
-# Why it matters: STEP is the format in which parts are handed on, and names are what conditions hang on, so that the file looks complete.
-# In a computation with dx(skeleton=True) the interior facets of the interface are missing, and with continuous elements the second body
-# hangs on nothing: below, the jump between steel and rubber that a DG form integrates has the area 0 instead of 1.  With springs or a
-# contact law on the second body the matrix is even regular, and the stresses are wrong.
+# Why it matters: STEP is the format in which parts are handed on, and names are what conditions hang on, so that the file looks
+# complete. In a computation with dx(skeleton=True) the interior facets of the interface are missing, and with continuous elements the
+# second body hangs on nothing: below, the jump between steel and rubber that a DG form integrates has the area 0 instead of 1.  With
+# springs or a contact law on the second body the matrix is even regular, and the stresses are wrong.
 #
 # Source of the guess: the help of WriteStep ("Export shape in STEP - format") and the names that come back.
 #

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # NGSolve 6.2.2608: VectorH1(mesh, order, interleaved=True) gives wrong fields and wrong solutions, without a word.
 #
-# One would guess: the documented flag "interleaved" only renumbers the unknowns (x0, y0, x1, y1, ... instead of x0, x1, ..., y0, y1, ...),
-# so that whatever is computed is the same field.
+# One would guess: the documented flag "interleaved" only renumbers the unknowns (x0, y0, x1, y1, ... instead of x0, x1, ..., y0, y1,
+# ...), so that whatever is computed is the same field.
 #
-# What happens: the unknowns of the space are renumbered and, within every element, listed pair by pair, while the shape functions of the
-# element remain sorted by component.  On a triangle of order 1 the list is (x0, y0, x4, y4, x11, y11) for shapes (x, x, x, y, y, y), so
-# x and y change places.  The linear field (x, 2 y), which Set() should reproduce, is off by a third; the mass matrix has other
-# eigenvalues; a clamped, pulled square moves 1.8 times (order 1) and 4.8 times (order 2) as far.  A value of Interpolate() at a point is right, for it never leaves its
-# element: a quick look does not find it.
+# What happens: the unknowns of the space are renumbered and, within every element, listed pair by pair, while the shape functions of
+# the element remain sorted by component.  On a triangle of order 1 the list is (x0, y0, x4, y4, x11, y11) for shapes (x, x, x, y, y,
+# y), so x and y change places.  The linear field (x, 2 y), which Set() should reproduce, is off by a third; the mass matrix has other
+# eigenvalues; a clamped, pulled square moves 1.8 times (order 1) and 4.8 times (order 2) as far.  A value of Interpolate() at a point
+# is right, for it never leaves its element: a quick look does not find it.
 #
-# Why it matters: pairs of unknowns per node are what algebraic multigrid (pyamg, PETSc, hypre) and block matrices want of elasticity, and
-# the flag is the obvious way to get them.  The matrix is symmetric, positive definite and wrong.
+# Why it matters: pairs of unknowns per node are what algebraic multigrid (pyamg, PETSc, hypre) and block matrices want of elasticity,
+# and the flag is the obvious way to get them.  The matrix is symmetric, positive definite and wrong.
 #
 # Source of the guess: help(VectorH1), keyword "interleaved".
 #

@@ -8,12 +8,12 @@
 # and in a product V * W; in Compress(V) and Periodic(V) the component is free, and nothing is printed or raised.
 #
 # Why it matters: a roller is how half a body is cut off at its plane of symmetry, and Periodic is how one wave of a rough surface
-# stands for all of them.  As long as something else holds the body the matrix stays regular and the solution looks fine.  Below,
-# a square that is clamped at the bottom, on a roller at the left and pulled at the right moves by 0.738 instead of 0.274 at the
-# right, and leaves its plane of symmetry by 0.578.
+# stands for all of them.  As long as something else holds the body the matrix stays regular and the solution looks fine.  Below, a
+# square that is clamped at the bottom, on a roller at the left and pulled at the right moves by 0.738 instead of 0.274 at the right,
+# and leaves its plane of symmetry by 0.578.
 #
-# Source of the guess: the documentation of VectorH1 (help(VectorH1) lists dirichletx beside dirichlet) and of Compress, which speaks
-# of unknowns that are unused or not active.
+# Source of the guess: the documentation of VectorH1 (help(VectorH1) lists dirichletx beside dirichlet) and of Compress, which speaks of
+# unknowns that are unused or not active.
 #
 # A way round: fix the component afterwards, with FreeDofs() of V, renumbered, or by a penalty on the side.
 

@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # Gmsh 4.15.2, meshio 5.3.5, VTK 9.7.2: second-order prisms of Gmsh lose seven eighths of their volume on the way to VTK.
 #
-# One would guess: meshio translates the numbering of nodes between its formats, as its tables for Gmsh do for second-order hexahedra with 20
-# and 27 nodes, and for prisms with 15.
+# One would guess: meshio translates the numbering of nodes between its formats, as its tables for Gmsh do for second-order hexahedra
+# with 20 and 27 nodes, and for prisms with 15.
 #
-# What happens: the prism with 18 nodes, which is what Gmsh writes by default for order 2, has no entry.  Its corners are right, its nodes on
-# edges and sides keep Gmsh's numbers, and in VTK they belong to other edges.  The file is read and written without a word, ParaView shows the
-# right corners, and the volume of a unit cube of straight prisms, computed by VTK, is 0.125.  With the nodes in VTK's places it is 1.
-# Hexahedra and tetrahedra of order 2 are right.  (The prism with 15 nodes is refused.)  VTK 9.6.2 computes -0.021 also for the
-# right hexahedra; 9.7.2, used here, is right.
+# What happens: the prism with 18 nodes, which is what Gmsh writes by default for order 2, has no entry.  Its corners are right, its
+# nodes on edges and sides keep Gmsh's numbers, and in VTK they belong to other edges.  The file is read and written without a word,
+# ParaView shows the right corners, and the volume of a unit cube of straight prisms, computed by VTK, is 0.125.  With the nodes in
+# VTK's places it is 1. Hexahedra and tetrahedra of order 2 are right.  (The prism with 15 nodes is refused.)  VTK 9.6.2 computes -0.021
+# also for the right hexahedra; 9.7.2, used here, is right.
 #
-# Why it matters: thin layers, pads and coatings under a contact surface are swept into prisms, and results or meshes of order 2 go through
-# meshio to VTK.  Integrals, isosurfaces and probes in ParaView are wrong where the picture of the corners is not.
+# Why it matters: thin layers, pads and coatings under a contact surface are swept into prisms, and results or meshes of order 2 go
+# through meshio to VTK.  Integrals, isosurfaces and probes in ParaView are wrong where the picture of the corners is not.
 #
 # Source of the guess: the table of hexahedra in meshio's reader of Gmsh files.  Issue 1517 of meshio (2025, open) asks for the entry.
 #

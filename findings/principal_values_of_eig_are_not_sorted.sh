@@ -6,7 +6,7 @@
 #
 # What happens: a component that is not coupled to another one stays in its place.  diag(3, 1) has the eigenvalues (3, 1), diag(1, 3)
 # has (1, 3), and in 3D (3, 1, 2) remains (3, 1, 2).  With a shear of 0.1 between the first two they become (0.995, 3.005, 2): in plane
-# strain, sigma_zz is always last, and the last value is no longer the largest. For a matrix that is not symmetric nothing is raised,
+# strain, sigma_zz is always last, and the last value is no longer the largest.  For a matrix that is not symmetric nothing is raised,
 # and the two numbers are the eigenvalues neither of the matrix nor of its symmetric part or one of its triangles.
 #
 # Why it matters: the largest principal stress (crack, Rankine), Tresca's difference of the largest and the least one, and the principal

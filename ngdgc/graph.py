@@ -76,8 +76,10 @@ class ContactGraph:
         friction = np.where(sliding, bound, length)
         traction = p[:, None] * normals + friction[:, None] * direction
         displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
-        # One sum tells that nothing is wrong; where is asked only if something is.
-        if not np.isfinite(np.sum(p + r + dr + base + dbase + bound + along + slip) + np.sum(q)):
+        with np.errstate(all="ignore"):
+            # It tells that nothing is wrong; where is asked only if something is.
+            total = np.sum(p + r + dr + base + dbase + bound + along + slip) + np.sum(q)
+        if not np.isfinite(total):
             self._CheckFinite(q, r, slip, {"Pressure": p + r, "PressureDerivative": dr, "Bound": base,
                                            "BoundDerivatives": dbase, "Coefficient": bound + along + slip})
         zones = np.where(p <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
@@ -253,8 +255,10 @@ def Resolvent(Value, Derivative, gamma, q):
             if np.all(done):
                 break
             x = np.where(done, x, new)
-        excess = Value(x) + gamma * x - q
-        missed = free & ~(np.abs(excess) <= MISSED * q)
-        ended = missed & ~np.isfinite(Value(high)) if np.any(missed) else missed
-        x = np.where(np.isfinite(excess), x, np.where(low > 0, low, np.nan))
+        else:
+            excess = Value(x) + gamma * x - q
+        ended = free & ~(np.abs(excess) <= MISSED * q)
+        if np.any(ended):
+            ended &= ~np.isfinite(Value(high))
+            x = np.where(np.isfinite(excess), x, np.where(low > 0, low, np.nan))
     return np.where(free, x, np.minimum(q, 0) / gamma), ended

@@ -39,15 +39,21 @@ def test_it_takes_few_steps_and_fails_without_what_holds_it(monkeypatch):
         SemismoothNewtonSolver().Solve(Strip())
 
 
-def test_merit_sees_that_a_body_in_flight_is_out_of_balance():
-    """All points slip the same way by 1, for a displacement of 0.3, or sink too little and too much by a thousandth of that."""
+@pytest.mark.parametrize("sticking", [newtonrun.STICKING, 100])
+def test_merit_sees_that_a_body_in_flight_is_out_of_balance(sticking, monkeypatch):
+    """All points slip the same way by 1, for a displacement of 0.3, or sink too little and too much by a thousandth of that.
+
+    F itself sees it as long as little holds the body in the matrix.
+    """
+    monkeypatch.setattr(newtonrun, "STICKING", sticking)
     run = NewtonRun(SemismoothNewtonSolver(), Block(), None)
     state = run._Step(run._Evaluate(run.start))
     place = run.contact.coordinates[:, :1] / two_materials.LENGTH - 0.5
     tilted = run._Evaluate(run.graph.At(state.point.q + 1e-3 * run.scale[:, None] * place * [0, 1]))
     flying = run._Evaluate(run.graph.At(state.point.q + run.scale[:, None] * [1, 0]))
     assert np.all(flying.point.zones == 2)
-    assert Plain(run, flying.F) < Plain(run, tilted.F) and flying.merit > 100 * tilted.merit
+    assert flying.merit > 100 * tilted.merit
+    assert (Plain(run, flying.F) < Plain(run, tilted.F)) == (sticking == 100)
 
 
 def test_slopes_are_raised_for_such_a_body_alone_and_fade():

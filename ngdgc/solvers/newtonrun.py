@@ -17,6 +17,7 @@ from .reduced import ReducedCompliance
 from .stiffness import BodyStiffness, LawStiffness
 
 FLOOR = 1e-4        # smallest D where nothing but the foundation holds the body, in units of what holds it (`Holding`)
+STICKING = 0.003    # stiffness of stick there, in units of gamma: much more hides what a soft foundation does, by round-off too
 HOLD = 0.01         # part of the slope that holds it which every point has at first
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
 FORCING = 3e-3      # relative residual of the linear equations
@@ -32,6 +33,7 @@ DECREASE = 1e-4     # relative decrease of the merit function that a full step m
 RENEW = 20          # applications of an inverse that a factorisation without prediction serves at least
 SETTLED = 1e-3      # ratio of merits after a step that hardly changed the zones
 PATIENCE = 8        # steps in which the merit function must halve
+HASTE = 4           # the same where nothing but the foundation holds the body, as long as the load has not been raised in steps
 SMALL = 1e-8        # law residuals below this that do not shrink are round-off
 LOADSTEP = 1 / 32   # smallest step of the load continuation
 CORRECTIONS = 12    # Newton steps for one load
@@ -68,6 +70,7 @@ class NewtonRun:
         self.holding = None if self.held else Holding(disc, self.scale)
         self.few = self.held and disc.contact.normals.size <= FEW
         self.given = start is not None
+        self.patience = PATIENCE if self.held or self.given else HASTE
         self.start = self.graph.At(self._Rest() if start is None else self.graph.Coordinates(*start))
         self.steps, self.zones, self.reached = [], [], 0.0
         self.least, self.largest = None, 0.0
@@ -88,10 +91,10 @@ class NewtonRun:
 
     def Stiffness(self, point):
         """D (n, d, d) of the law at a point of the graph; it holds the body where nothing else does."""
-        stiffness = LawStiffness(point, self.scale, self.contact.normals)
-        if not self.held:
-            stiffness = stiffness + FLOOR * self.scale[:, None, None] * self.holding.slope
-        return stiffness
+        if self.held:
+            return LawStiffness(point, self.scale, self.contact.normals)
+        return (LawStiffness(point, self.scale, self.contact.normals, sticking=STICKING)
+                + FLOOR * self.scale[:, None, None] * self.holding.slope)
 
     def Iterates(self):
         state = self._Evaluate(self.start)
@@ -101,6 +104,7 @@ class NewtonRun:
         # Continuation starts from rest whatever the start was; who gave one has his own next choice.
         if self._Roundoff() or self.given:
             return
+        self.patience = PATIENCE
         for Approach in (self._AlongPath, self._Continuation):
             state = Approach()
             if state is not None:
@@ -125,7 +129,7 @@ class NewtonRun:
 
         renew : put the stiffness of the law at that point into the matrix first
         """
-        self.base = None
+        self.base, self.patience = None, PATIENCE
         self.steps.clear()
         if renew:
             self._Factorise(self.state.point, predicted=True)
@@ -218,8 +222,8 @@ class NewtonRun:
         return PointwiseEquation(point, self.scale, self.stiffness, self.blocks, least=least)
 
     def _Stalled(self):
-        recent = [ratio for _, _, ratio in self.steps[-PATIENCE:]]
-        return len(recent) == PATIENCE and np.prod(recent) > 0.5
+        recent = [ratio for _, _, ratio in self.steps[-self.patience:]]
+        return len(recent) == self.patience and np.prod(recent) > 0.5
 
     def _Roundoff(self):
         """True if the last two steps brought nothing and hardly anything is left."""

@@ -11,16 +11,22 @@ def BodyStiffness(disc):
     return 2 * disc.order * disc.problem.material.ShearAt(contact.inside) / contact.measures ** (1 / (contact.dim - 1))
 
 
-def LawStiffness(point, scale, normals):
+def LawStiffness(point, scale, normals, *, sticking=CAP):
     """D (n, d, d) [stress/length]: the slope dt/du of the law at points of its graph, between 0 and CAP gamma.
 
     Without the coupling of friction to the penetration, which is not symmetric.
+    sticking : largest tangential stiffness, that of stick, in units of gamma
     """
     normal = normals[:, :, None] * normals[:, None, :]
     tangential = np.eye(normals.shape[1]) - normal
-    slope = normal @ point.derivative @ normal + tangential @ point.derivative @ tangential
-    share, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
-    share = np.clip(share, 0, 1)        # dt/dq = D/(gamma + D); slip weakening has negative slopes
-    stiffness = scale[:, None] * share / (1 - share + share / CAP)
-    return (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+    share = np.clip(np.einsum("ni,nij,nj->n", normals, point.derivative, normals), 0, 1)
+    slope = tangential @ point.derivative @ tangential
+    shares, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
+    shares = np.clip(shares, 0, 1)      # dt/dq = D/(gamma + D); slip weakening has negative slopes
+    stiffness = scale[:, None] * _Capped(shares, sticking)
+    return (scale * _Capped(share, CAP))[:, None, None] * normal + (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)
 
+
+def _Capped(share, cap):
+    """D/gamma of a share dt/dq = D/(gamma + D), at most `cap`."""
+    return share / (1 - share + share / cap)

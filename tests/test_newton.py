@@ -259,6 +259,7 @@ def test_bad_arguments_are_refused_by_name(call, culprit):
 
 def test_a_run_that_gives_up_before_its_first_step_is_no_index_error(monkeypatch):
     monkeypatch.setattr(NewtonRun, "_Stalled", lambda run: True)
+    monkeypatch.setattr(NewtonRun, "_AlongPath", lambda run: None)
     monkeypatch.setattr(NewtonRun, "_Continuation", lambda run: None)
     with pytest.raises(NotConvergedError, match=r"Newton.*before its first iteration") as failure:
         SemismoothNewtonSolver().Solve(Stiff("4.1", 1e3, CoulombFriction(0.3)))

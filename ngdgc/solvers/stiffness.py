@@ -24,7 +24,8 @@ def LawStiffness(point, scale, normals, *, sticking=CAP):
     shares, vectors = np.linalg.eigh((slope + np.swapaxes(slope, 1, 2)) / 2)
     shares = np.clip(shares, 0, 1)      # dt/dq = D/(gamma + D); slip weakening has negative slopes
     stiffness = scale[:, None] * _Capped(shares, sticking)
-    return (scale * _Capped(share, CAP))[:, None, None] * normal + (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+    along = (vectors * stiffness[:, None, :]) @ np.swapaxes(vectors, 1, 2)
+    return (scale * _Capped(share, CAP))[:, None, None] * normal + along
 
 
 def _Capped(share, cap):

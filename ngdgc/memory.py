@@ -19,6 +19,7 @@ GIGABYTE = 1e9
 # Bytes, all measured on structured meshes and rather too small than too large: what is refused would not have ended well.
 CELL = 350          # of a mesh, for each element
 ENTRY = 13          # of a matrix while it is assembled, for each entry
+TRIFLE = 1e7        # bytes about which limits of the process need not be asked
 SMALL = 1e8         # bytes of meshes and matrices about which nobody needs to be asked
 UNLIMITED = 1 << 60
 CONTROL = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
@@ -74,7 +75,9 @@ def _Reclaimable(path: Path) -> float:
 
 def CheckMemory(needed: float, what: str, remedy: str) -> None:
     """Raise ProblemError if something needs more bytes than are free."""
-    if needed > (free := Free()):
+    # Limits are in files, which take longer to read than a small matrix to factorise.
+    free = Free() if needed > TRIFLE else psutil.virtual_memory().available
+    if needed > free:
         raise ProblemError(f"{what} would take about {needed / GIGABYTE:.3g} GB, and {free / GIGABYTE:.1f} GB are free; "
                            f"take {remedy}a coarser mesh or a lower order")
 

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from ngsolve import CF, IfPos, x
-from ngsolve.meshes import MakeStructured2DMesh
+from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, NormalCompliance, NotConvergedError, SemismoothNewtonSolver, Solve)
+from ngdgc.solvers import newtonrun
 from ngdgc.solvers.holding import Holding
 
 PRESSED = {"roller": {"left": 0}, "traction": {"top": (0, -1)}}
@@ -40,12 +41,32 @@ def test_pressed_plate_sinks_evenly(method):
 @pytest.mark.parametrize(("loads", "force"), [(BENT, 20), (LIFTED, 100)])
 def test_beam_and_lifting_footing_cost_the_same(loads, force):
     costs = []
-    for k in (500, 5, 0.05):
+    for k in (500, 5, 0.05, 5e-4):
         solution = Solve(Steel(k, **loads))
         costs.append(Cost(solution))
         assert solution.normalforce == pytest.approx(force, rel=1e-7)
         assert loads is BENT or np.any(solution.zones == 0)
     assert max(costs[1:]) <= 3 * min(costs)
+
+
+def Slab(k):
+    """A plate 300 x 300 x 20 on a foundation with friction, loaded on one half, so that part of it lifts off."""
+    foundation = Foundation("bottom", NormalCompliance(k), friction=CoulombFriction(0.3))
+    problem = ContactProblem(HookeMaterial(E=2.1e5, nu=0.3), foundation, traction={"top": CF((0, 0, IfPos(x - 150, -1, 0)))})
+    mesh = MakeStructured3DMesh(nx=4, ny=4, nz=1, mapping=lambda s, t, u: (300 * s, 300 * t, 20 * u))
+    return Discretization(problem, InteriorPenalty(), mesh, order=1)
+
+
+def test_footing_in_3d_costs_the_same(monkeypatch):
+    """About 50 products each; twice as many where stick is as stiff in the matrix as that of a body that is held."""
+    costs = []
+    for k in (5, 0.05, 5e-4):
+        solution = Solve(Slab(k))
+        costs.append(Cost(solution))
+        assert solution.normalforce == pytest.approx(45000, rel=1e-10) and np.any(solution.zones == 0)
+    assert max(costs) <= 1.5 * min(costs)
+    monkeypatch.setattr(newtonrun, "STICKING", 100)
+    assert Cost(Solve(Slab(0.05))) > 1.5 * max(costs)
 
 
 def test_stiffness_of_the_body_would_not_hold_it(monkeypatch):

@@ -39,7 +39,7 @@ class SemismoothNewtonSolver:
       by one application, and again as long as that helps: zones that change need no further Newton step.
     * Where the inverse is an iteration, all this happens in a subspace, and its corrections in the whole space (`correction`).
     * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
-      a body that nothing but its foundation holds.
+      a body that nothing but its foundation holds; stick, which no foundation's stiffness measures, only softly there.
     * Where nothing but the foundation holds the body and all points slip or have lifted off, the derivative is singular: dt/dq
       counts as at least 1/100, less as F falls, of what it is where the foundation carries the loads and friction sticks.
     * Globalisation: halved steps for |F|^2 in L2(Gamma_C); where that stalls and no start was given, a path of solutions leads

@@ -16,6 +16,7 @@ class Holding:
     Attributes
     ----------
     depth : r > 0 with int_GammaC p_n(r) = |loads| [length], 0 without loads
+    stiffness : p_n(r)/r at that depth (n,) [stress/length]
     slope : dt/dq (n, d, d) with the secant stiffness p_n(r)/r along the normal, and that of stick where there is friction.
         A soft foundation holds a body as well as a stiff one: what counts as little is measured by this, not by the body
     """
@@ -28,7 +29,7 @@ class Holding:
                              lambda r: np.array([weights @ self._Law("PressureDerivative", r[0])]),
                              DEEPEST * scale.min(), np.array([load]))
         self.depth = float(depth[0])
-        stiffness = self._Law("Pressure", self.depth) / self.depth if self.depth > 0 else scale
+        stiffness = self.stiffness = self._Law("Pressure", self.depth) / self.depth if self.depth > 0 else scale
         normal = contact.normals[:, :, None] * contact.normals[:, None, :]
         self.slope = Share(stiffness, scale)[:, None, None] * normal
         for _, here, _, friction in contact.parts:

@@ -14,10 +14,11 @@ from .holding import Holding
 from .pathfollowing import FEW, Path
 from .recycling import Recycled
 from .reduced import ReducedCompliance
-from .stiffness import BodyStiffness, LawStiffness
+from .stiffness import CAP, BodyStiffness, LawStiffness
 
 FLOOR = 1e-4        # smallest D where nothing but the foundation holds the body, in units of what holds it (`Holding`)
-STICKING = 0.003    # stiffness of stick there, in units of gamma: much more hides what a soft foundation does, by round-off too
+STICKING = 0.003    # stiffness of stick there, in units of gamma, or TIMES that of the foundation: more hides what that does
+TIMES = 10
 HOLD = 0.01         # part of the slope that holds it which every point has at first
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
 FORCING = 3e-3      # relative residual of the linear equations
@@ -93,7 +94,8 @@ class NewtonRun:
         """D (n, d, d) of the law at a point of the graph; it holds the body where nothing else does."""
         if self.held:
             return LawStiffness(point, self.scale, self.contact.normals)
-        return (LawStiffness(point, self.scale, self.contact.normals, sticking=STICKING)
+        sticking = np.clip(TIMES * self.holding.stiffness / self.scale, STICKING, CAP)
+        return (LawStiffness(point, self.scale, self.contact.normals, sticking=sticking[:, None])
                 + FLOOR * self.scale[:, None, None] * self.holding.slope)
 
     def Iterates(self):

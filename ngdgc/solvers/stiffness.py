@@ -15,7 +15,7 @@ def LawStiffness(point, scale, normals, *, sticking=CAP):
     """D (n, d, d) [stress/length]: the slope dt/du of the law at points of its graph, between 0 and CAP gamma.
 
     Without the coupling of friction to the penetration, which is not symmetric.
-    sticking : largest tangential stiffness, that of stick, in units of gamma
+    sticking : largest tangential stiffness, that of stick, in units of gamma, a number or (n, 1)
     """
     normal = normals[:, :, None] * normals[:, None, :]
     tangential = np.eye(normals.shape[1]) - normal

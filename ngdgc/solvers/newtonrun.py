@@ -18,7 +18,7 @@ from .stiffness import CAP, BodyStiffness, LawStiffness
 
 FLOOR = 1e-4        # smallest D where nothing but the foundation holds the body, in units of what holds it (`Holding`)
 STICKING = 0.003    # least stiffness of stick there, in units of gamma: much more hides what a soft foundation does
-TIMES = 10          # stiffness of stick there, in units of that of the foundation, if that is more than STICKING and less than CAP
+TIMES = 10          # stiffness of stick there, in units of that of the foundation, between STICKING and CAP
 HOLD = 0.01         # part of the slope that holds it which every point has at first
 NEAR = 0.35         # S at one point, in units of 1/gamma; met within a factor of 3 on all meshes tried
 FORCING = 3e-3      # relative residual of the linear equations

@@ -58,7 +58,7 @@ def _Cause(error, function, arguments, keywords):
     except TypeError:
         return _Mistake(function, arguments, keywords)
     if isinstance(error, OSError) and (path := given.get("path", given.get("folder"))) is not None:
-        return f"{Short(path)} cannot be written: {error.strerror or error}; choose another file or folder"
+        return f"{path} cannot be written: {error.strerror or error}; choose another file or folder"
     return next((words for name, value in given.items() if (words := Mistaken(name, value))), None)
 
 

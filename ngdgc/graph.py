@@ -170,7 +170,8 @@ def Distance(contact, displacement, traction):
     sliding |= straight
     distance = np.maximum(distance, np.where(straight, off, along) / uscale)
     zones = np.where(pressure <= 0, SEPARATION, np.where(sliding, SLIP, STICK))
-    pressure = np.where(zones == SEPARATION, 0, np.where(t <= 0, pressure, t))
+    # Where an iteration has left no number for the displacement only the traction tells.
+    pressure = np.where(np.isnan(r), np.maximum(t, 0), np.where(zones == SEPARATION, 0, np.where(t <= 0, pressure, t)))
     return GraphDistance(distance, zones, pressure, np.where(limit[:, None] > 0, friction, 0))
 
 

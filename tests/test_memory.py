@@ -18,8 +18,8 @@ PROGRAM = "import sys; from ngdgc.cli import Main; sys.exit(Main(sys.argv[1:]))"
 
 
 def Limited(limit, size, *arguments):
-    """A command in a process with a limit [bytes]."""
-    return subprocess.run([sys.executable, "-c", PROGRAM, *arguments], capture_output=True, text=True, timeout=120,
+    """A command in a process with a limit [bytes], away from the sources, whose package has no cases."""
+    return subprocess.run([sys.executable, "-c", PROGRAM, *arguments], capture_output=True, text=True, timeout=120, cwd="/",
                           preexec_fn=lambda: resource.setrlimit(limit, (size, size)))
 
 

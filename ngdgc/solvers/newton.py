@@ -76,10 +76,10 @@ class SemismoothNewtonSolver:
 def _Start(start, shape):
     """Displacement and traction as arrays of this shape; ProblemError for anything else."""
     remedy = f"give the pair of displacement and traction at the contact points, both {shape} and finite"
-    if not isinstance(start, (tuple, list, np.ndarray)) or len(start) != 2:
-        raise ProblemError(f"start is {start!r}; {remedy}")
-    arrays = [Reals(part, shape) for part in start]
+    pair = isinstance(start, (tuple, list, np.ndarray)) and len(start) == 2
+    if pair and all(isinstance(part, np.ndarray) for part in start) and [part.shape for part in start] != [shape, shape]:
+        raise ProblemError(f"start has shapes {[part.shape for part in start]}; {remedy}")
+    arrays = [Reals(part, shape) for part in start] if pair else [None]
     if any(array is None for array in arrays):
-        shapes = [part.shape if isinstance(part, np.ndarray) else type(part).__name__ for part in start]
-        raise ProblemError(f"start has shapes {shapes}; {remedy}")
+        raise ProblemError(f"start is {start!r}; {remedy}")
     return tuple(arrays)

@@ -9,8 +9,9 @@ from ngsolve import BilinearForm, LinearForm
 from . import storage
 from .discretization import Discretization
 from .exceptions import ProblemError
-from .fingerprint import NAMES, Differs, Fingerprint
+from .fingerprint import NAMES, SAME, Differs, Fingerprint
 from .graph import Distance
+from .history import Level, Step
 from .methods import METHODS
 from .resultants import BALANCE
 
@@ -53,19 +54,39 @@ def Open(folder, problem, added):
                            f"Load(folder, problem{', added=[...]' if words['added'] else ''})")
     disc = Discretization(problem, kind(**words["arguments"]), mesh, order=words["order"], assembly=words["assembly"],
                           inverse=words["inverse"])
+    if disc.space.ndof != len(arrays["vector"]):
+        raise ProblemError(f"{folder} has {len(arrays['vector'])} coefficients, and {disc!r} has {disc.space.ndof}; give a "
+                           "folder as ContactSolution.Save has left it")
     for number, form in enumerate(added):
         disc.Add(_On(disc.space, form, f"added[{number}]"))
     return disc, arrays, words
 
 
-def Numbering(disc, arrays):
+def Iteration(folder, arrays, words):
+    """([Step], [Level], predicted factor) of what a folder says of the iteration; ProblemError if it says something else."""
+    try:
+        history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
+        levels = [Level(**level) for level in words["summary"].get("levels", [])]
+        return history, levels, words["summary"].get("contraction", {}).get("predicted")
+    except (AttributeError, OverflowError, TypeError, ValueError) as error:
+        raise ProblemError(f"the history or the summary in {folder} is none of an iteration: {error}; give a folder as "
+                           "ContactSolution.Save has left it") from error
+
+
+def Numbering(folder, disc, arrays):
     """Which number in the arrays the dofs have, (ndof,): another one where a conforming method's mesh was refined in parts.
 
     Edges are numbered after those of their parents, which have gone from the mesh that was read.
     """
-    numbering = np.arange(disc.space.ndof)
-    if len(arrays["dofs"]):
-        numbering[_Dofs(disc.space)] = arrays["dofs"]
+    numbering, kept = np.arange(disc.space.ndof), arrays["dofs"]
+    if not kept.size:
+        return numbering
+    dofs = _Dofs(disc.space)
+    fit = kept.dtype.kind == "i" and kept.shape == dofs.shape
+    if fit:
+        numbering[dofs] = kept
+    if not fit or not np.array_equal(np.sort(numbering), np.arange(disc.space.ndof)):
+        raise ProblemError(f"the dofs in {folder} are none of {disc!r}; give a folder as ContactSolution.Save has left it")
     return numbering
 
 
@@ -81,6 +102,12 @@ def Compare(folder, solution, arrays, numbering):
             raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ; "
                                "give the one it was saved with")
     disc = solution.disc
+    at = solution.penetration, disc.contact.Slip(solution.displacement)
+    size = max(np.abs(solution.displacement).max(initial=0), np.abs(disc.contact.gap).max(initial=0))
+    for name, values in zip(("penetration", "slip"), at):
+        if not np.abs(arrays[name] - values).max(initial=0) <= SAME * size:
+            raise ProblemError(f"the {name} in {folder} is not that of its coefficients; give a folder as ContactSolution.Save "
+                               "has left it")
     law = Distance(disc.contact, solution.displacement, solution.traction).distance.max(initial=0)
     recorded = solution.history[-1].residual if solution.history else 0.0
     if not abs(law - recorded) <= 1e-3 * recorded + LAW:
@@ -95,10 +122,10 @@ def Compare(folder, solution, arrays, numbering):
 def _CheckArrays(arrays, name):
     """Raise ProblemError unless vector and contact quantities are finite and of shapes that belong together."""
     shapes = {"vector": arrays["loads"].shape, "traction": arrays["points"].shape, "penetration": arrays["points"].shape[:1],
-              "slip": arrays["points"].shape[:1], "history": (len(arrays["history"]), 5)}
+              "slip": arrays["points"].shape[:1], "history": (*arrays["history"].shape[:1], 5)}
     for key, shape in shapes.items():
         array = arrays[key]
-        wrong = array.dtype.kind != "f" or array.shape != shape and len(array)
+        wrong = array.dtype != float or array.shape != shape or array.ndim == 0
         if wrong or key != "history" and not np.all(np.isfinite(array)):
             raise ProblemError(f"{name} has a {key} of shape {array.shape} that is not finite, or not of shape {shape}; solve "
                                "again, and save what Solve returns")

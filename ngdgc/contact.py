@@ -107,21 +107,25 @@ class ContactBoundary:
 
     def Bound(self, r: Array, slip: Array) -> Array:
         """p_t from penetration and slip |u_t|, (n,) [stress]; zero where there is no friction law."""
+        # One after the other, so that the one that is not finite is the one that is named.
+        pressure = self.Pressure(r)
+
         def OfPart(here, compliance, friction):
-            if friction is None:
-                return 0
-            return friction.Bound(r[here], compliance.Pressure(r[here])) * SlipFactor(friction, slip[here])[0]
-        return self._Laws("Bound", r, OfPart)
+            return 0 if friction is None else friction.Bound(r[here], pressure[here])
+
+        def Factor(here, compliance, friction):
+            return 1 if friction is None else SlipFactor(friction, slip[here])[0]
+        return self._Laws("Bound", r, OfPart) * self._Laws("Coefficient", slip, Factor, "slip")
 
     def Slip(self, displacement: Array) -> Array:
         """|u_t|, (n,) [length]."""
         return np.linalg.norm(self.Tangential(displacement), axis=1)
 
-    def _Laws(self, method, r, evaluate):
+    def _Laws(self, method, at, evaluate, word="penetration"):
         values = np.empty(len(self.weights))
         for _, here, compliance, friction in self.parts:
             values[here] = evaluate(here, compliance, friction)
-        CheckFinite(self, method, values, r)
+        CheckFinite(self, method, values, at, word)
         return values
 
     def TraceProjection(self, traction: Array) -> Array:

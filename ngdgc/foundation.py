@@ -15,7 +15,7 @@ from .hypotheses import CheckCompliance, CheckFriction, CheckLaws
 from .laws import ComplianceLaw, FrictionLaw
 from .protocols import Compliance, Datum, Friction
 from .regions import RegionName
-from .userlaws import Watched
+from .userlaws import LawName, Watched
 
 if TYPE_CHECKING:
     from .hypotheses import LawReport
@@ -57,10 +57,11 @@ class Foundation:
             raise ProblemError(f"friction is {self.friction!r}; give a law such as CoulombFriction(0.3), an object with "
                                "Bound(r, p), or None")
         object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
+        where = f"on the foundation of {self.boundary!r}"
         if not Pointwise(self.compliance):
-            CheckCompliance(Watched(self.compliance), 1, f"the foundation of {self.boundary!r}")
+            CheckCompliance(Watched(self.compliance), 1, f"{LawName(self.compliance)} {where}")
         if self.friction is not None and not Pointwise(self.friction):
-            CheckFriction(Watched(self.friction), np.ones(1), np.ones(1), f"the foundation of {self.boundary!r}")
+            CheckFriction(Watched(self.friction), np.ones(1), np.ones(1), f"{LawName(self.friction)} {where}")
 
     def Check(self, *, depth: float = 1.0, slip: float = 1.0) -> LawReport:
         """The `LawReport` of both laws for penetrations up to `depth` and slips up to `slip` [length]; see `CheckLaws`."""

@@ -13,10 +13,11 @@ from .calls import ByKeyword
 from .coefficients import Pointwise
 from .exceptions import ProblemError
 from .protocols import Compliance, Friction
-from .userlaws import Watched
+from .userlaws import CheckPointwise, Watched
 from .values import Integer, Positive
 
 SCALES = np.logspace(-6, 0, 25)     # of penetration, pressure and slip at which derivatives are compared
+MIXED = SCALES[::4]     # of these a law is asked at once and one by one
 STEP = 1e-5         # of differences, relative: their error is 1e-10 of the third derivative and 1e-11 of round-off
 TOLERANCE = 1e-3    # of derivatives, relative to the slope
 GRID = np.concatenate([[0.0], np.logspace(-4, -2, 20, endpoint=False), np.linspace(0.01, 1, 200)])     # of a range
@@ -59,6 +60,9 @@ def CheckCompliance(law, npoints, name):
         if _Differs(law.Pressure, law.PressureDerivative, at):
             raise ProblemError(f"{name}: PressureDerivative differs from the finite difference of Pressure at "
                                f"penetration {r:g}; mend the one that is wrong")
+    if npoints == 1:
+        for method in ("Pressure", "PressureDerivative"):
+            CheckPointwise(law, method, MIXED)
 
 
 def CheckFriction(law, r, p, name):
@@ -81,6 +85,8 @@ def CheckFriction(law, r, p, name):
                 raise ProblemError(f"{name}: BoundDerivatives differs from the finite difference of Bound by the {word}, at "
                                    f"penetration {at[0]:g} and pressure {pressed[0]:g}; mend one of them, or leave "
                                    "BoundDerivatives out")
+    if len(r) == 1:
+        CheckPointwise(law, "Bound", MIXED, p * MIXED)
     if hasattr(law, "Coefficient"):
         _CheckCoefficient(law, np.ones_like(r), name)
 
@@ -93,6 +99,8 @@ def _CheckCoefficient(law, ones, name):
         if slip and _Differs(lambda s: law.Coefficient(s)[0], lambda s: law.Coefficient(s)[1], slip * ones):
             raise ProblemError(f"{name}: the derivative that Coefficient returns differs from its finite difference at slip "
                                f"{slip:g}; mend the one that is wrong")
+    if len(ones) == 1:
+        CheckPointwise(law, "Coefficient", MIXED)
 
 
 def _Differs(Value, Derivative, at):

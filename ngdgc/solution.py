@@ -12,7 +12,7 @@ from .exceptions import ProblemError
 from .fluxes import Flux
 from .forces import DisplacementAt, Force, Mean, Traction, Tractions
 from .graph import ZONES, Distance
-from .history import Level, ObservedRate, Rates, Step
+from .history import ObservedRate, Rates
 from .report import Plain, Report, Summary
 from .resultants import ElementImbalance, EquilibriumResidual, GlobalImbalance, Resultants
 from .state import AsRead
@@ -253,12 +253,11 @@ class ContactSolution:
         six digits, contact law and balance are verified.
         """
         disc, arrays, words = archive.Open(folder, problem, added)
-        history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
-        predicted = words["summary"].get("contraction", {}).get("predicted")
-        numbering = archive.Numbering(disc, arrays)
+        history, levels, predicted = archive.Iteration(folder, arrays, words)
+        numbering = archive.Numbering(folder, disc, arrays)
         solution = cls(disc, arrays["vector"][numbering], arrays["traction"], history=history, converged=words["converged"],
                        solver=words["solver"], Predict=lambda: predicted)
-        solution.levels = [Level(**level) for level in words["summary"].get("levels", [])]
+        solution.levels = levels
         archive.Compare(folder, solution, arrays, numbering)
         return solution
 

@@ -64,7 +64,7 @@ def Read(folder, kinds, names):
         raise ProblemError(f"{folder} holds no saved solution: {' '.join(str(error).split()) or type(error).__name__}; give a "
                            "folder that ContactSolution.Save has written") from error
     number = words.get("format") if isinstance(words, dict) else None
-    if number != FORMAT:
+    if type(number) is not int or number != FORMAT:
         raise ProblemError(f"{folder} has format {number}, this version reads {FORMAT}; save it anew")
     for name, kind in kinds.items():
         if type(words.get(name)) is not kind:

@@ -10,6 +10,7 @@ import numpy as np
 from .exceptions import ProblemError
 
 VALUES = ("Pressure", "PressureDerivative", "Bound")    # methods that return an array
+ROUNDOFF = 1e-9     # relative, between numpy's ways through short and long arrays
 PAIRS = ("BoundDerivatives", "Coefficient")             # methods that return two of them
 
 
@@ -51,6 +52,20 @@ def CheckFinite(contact: Any, method: str, values: Any, at: Any, word: str = "pe
                        "iteration needs it; look at its exponent and its data for the penetrations that occur")
 
 
+def CheckPointwise(law: Any, method: str, *arguments: Any) -> None:
+    """Raise ProblemError unless a `UserLaw` gives at every point what it gives for that point alone, whenever it is asked."""
+    if not isinstance(law, UserLaw):
+        return
+    Value = getattr(law, method)
+    with np.errstate(all="ignore"):
+        together = np.atleast_2d(Value(*arguments))
+        alone = np.hstack([np.atleast_2d(Value(*point)) for point in np.stack(arguments, axis=1)[..., None]])
+    if not np.allclose(together, alone, rtol=ROUNDOFF, atol=0, equal_nan=True):
+        raise ProblemError(f"{LawName(law)}.{method} gives another value at a point alone than among others, or when it is "
+                           "asked again; a law is a function of its arguments at the point: use numpy's functions of "
+                           "each entry, and keep no state")
+
+
 def _Call(law, name, method, *arguments):
     words, shape = f"{type(law).__name__}.{name}", np.broadcast_shapes(*map(np.shape, arguments))
     try:
@@ -76,6 +91,9 @@ def _Values(result, shape, words):
         raise ProblemError(f"{words} returns complex values; give real ones, an array (npoints,)")
     if not isinstance(result, np.ndarray) and values.shape or values.dtype.kind not in "fiub":
         raise ProblemError(f"{words} returns {_Kind(result)}; give an array (npoints,) of numbers, numpy's functions make it")
+    if values.dtype in (np.float16, np.float32) and "Derivative" not in words:
+        raise ProblemError(f"{words} returns {values.dtype}, whose digits are too few for an iteration; give float64, numpy's "
+                           "own floats")
     if values.shape not in ((), shape):
         raise ProblemError(f"{words} returns shape {values.shape} for arguments of shape {shape}; give one value per point, an "
                            "array (npoints,)")

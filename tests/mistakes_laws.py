@@ -38,6 +38,16 @@ class Steep(Law):
         return 2.0 * (r > 0)
 
 
+class Narrow(Law):
+    def Pressure(self, r):
+        return np.maximum(r, 0).astype(np.float32)
+
+
+class Averaged(Law):
+    def Pressure(self, r):
+        return np.maximum(r, 0).mean()
+
+
 class Negative(Friction):
     def Bound(self, r, p):
         return -1.0 * p
@@ -128,6 +138,9 @@ LAWS = [
     # What laws of users return.
     (lambda _: On(compliance=Ones(1j)), "Ones.Pressure returns complex values | real ones, an array (npoints,) | give"),
     (lambda _: On(compliance=Ones("a")), "Ones.Pressure returns an array of shape (1,) and type | of numbers | give an array"),
+    (lambda _: On(compliance=Narrow()), "Narrow.Pressure returns float32 | too few for an iteration | give float64"),
+    (lambda _: On(compliance=Averaged()),
+     "Averaged.Pressure gives another value at a point alone | a function of its arguments at the point | use numpy's"),
     (lambda _: On(compliance=Ones({})), "Ones.Pressure raises TypeError (unsupported | called with arrays | mend the law"),
     (lambda _: Solve(Disc(foundation=On(compliance=Short()))),
      "Short.Pressure is not finite beyond penetration 1e-06 | the law ends there | give it values for larger penetrations")]

@@ -52,6 +52,18 @@ def Cut(path, part):
     path.write_bytes(path.read_bytes()[:int(part * path.stat().st_size)])
 
 
+def Half(folder):
+    """The traction in single precision, which no solver has returned."""
+    with np.load(folder / "fields.npz") as arrays:
+        return {"traction": arrays["traction"].astype(np.float32)}
+
+
+def Dofs(folder):
+    """How many dofs the elements of the mesh have, one after the other."""
+    space = ContactSolution.Load(folder, Problem()).disc.space
+    return sum(len(element.dofs) for element in space.Elements())
+
+
 DAMAGE = {
     "no folder": lambda folder: shutil.rmtree(folder),
     "a file": lambda folder: (shutil.rmtree(folder), folder.write_text("")),
@@ -77,6 +89,19 @@ DAMAGE = {
     "strings": lambda folder: Edited(folder, arrays={"traction": np.array(["a", "b"])}),
     "turned": lambda folder: Edited(folder, arrays={"traction": np.zeros((2, 9))}),
     "history": lambda folder: Edited(folder, arrays={"history": np.zeros((4, 2))}),
+    "flat history": lambda folder: Edited(folder, arrays={"history": np.array(1.0)}),
+    "no number": lambda folder: Edited(folder, arrays={"history": np.full((1, 5), np.nan)}),
+    "infinite": lambda folder: Edited(folder, arrays={"history": np.full((1, 5), np.inf)}),
+    "no entries": lambda folder: Edited(folder, arrays={"traction": np.zeros((0, 2))}),
+    "one number": lambda folder: Edited(folder, arrays={"vector": np.array(1.0)}),
+    "half the digits": lambda folder: Edited(folder, arrays=Half(folder)),
+    "other slips": lambda folder: Edited(folder, arrays={"slip": np.load(folder / "fields.npz")["slip"][::-1] + 0.01}),
+    "dofs": lambda folder: Edited(folder, arrays={"dofs": np.zeros(3, dtype=int)}),
+    "dofs twice": lambda folder: Edited(folder, arrays={"dofs": np.zeros(Dofs(folder), dtype=int)}),
+    "higher order": lambda folder: Edited(folder, words={"order": 3}),
+    "format": lambda folder: Edited(folder, words={"format": True}),
+    "levels": lambda folder: Edited(folder, words={"summary": {"levels": [{"a": 1}]}}),
+    "contraction": lambda folder: Edited(folder, words={"summary": {"contraction": 3}}),
     "true": lambda folder: Edited(folder, words={"order": True}), "text": lambda folder: Edited(folder, words={"order": "2"}),
     "no": lambda folder: Edited(folder, words={"converged": "no"}),
     "none": lambda folder: Edited(folder, words={"solver": None}),

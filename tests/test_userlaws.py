@@ -67,7 +67,12 @@ class OwnFriction(FrictionLaw):
     (Own(lambda r, p: p[:, None]), None, r"Own.Pressure returns shape \(1, 1\)"),
     (Own(lambda r, p: p["r"]), None, "Own.Pressure raises IndexError"),
     (Own(Derivative=lambda r: list(r)), None, "Own.PressureDerivative returns a list"),
-    (Own(lambda r, p: np.where(r > -0.5, p, np.nan)), None, "not zero at penetration -1, but nan"),
+    (Own(lambda r, p: np.where(r > -0.5, p, np.nan)), None, "Own on the foundation .* not zero at penetration -1, but nan"),
+    (Own(lambda r, p: p.astype(np.float32)), None, "Own.Pressure returns float32"),
+    (Own(lambda r, p: np.mean(p)), None, "Own.Pressure gives another value at a point alone"),
+    (Own(lambda r, p, calls=[1]: calls.append(1) or p * (1 + 1e-3 * len(calls))), None, "when it is asked again"),
+    (Own(), OwnFriction(lambda r, p: 0.3 * np.sort(p)[::-1]), "OwnFriction.Bound gives another value at a point alone"),
+    (Own(), OwnFriction(Coefficient=lambda s: (0.0 * s + len(s), 0 * s)), "OwnFriction.Coefficient gives another value"),
     (Own(), OwnFriction(lambda r, p: p * 1j), "OwnFriction.Bound returns complex values"),
     (Own(), OwnFriction(lambda r, p: p.astype(str)), "OwnFriction.Bound returns an array of shape .* and type"),
     (Own(), OwnFriction(BoundDerivatives=lambda r, p: p), "OwnFriction.BoundDerivatives returns an array .* give the pair"),
@@ -113,6 +118,16 @@ def test_a_law_that_ends_beyond_the_solution_is_right():
 def test_values_that_are_no_numbers_where_the_solution_lies_are_named(law, friction, words):
     with pytest.raises(ProblemError, match=words):
         Solve(Disc(law, friction))
+
+
+def test_who_is_not_finite_is_named_by_every_solver():
+    """The pressure of a penetration without one, and not the friction law that is made of it, nor the bound for its factor."""
+    holes = OwnFriction(Coefficient=lambda s: (np.where((s > 0.0317) & (s < 0.0562), np.nan, 1), 0 * s))
+    for disc, words in ((Disc(Own(lambda r, p: np.where(r > 0.03, np.nan, p))), "^Own.Pressure is nan at penetration"),
+                        (Disc(Own(), holes), "^OwnFriction.Coefficient is nan at slip 0.0"),
+                        (Disc(Own(), OwnFriction(lambda r, p: np.where(r > 0.03, np.nan, p))), "^OwnFriction.Bound is nan")):
+        with pytest.raises(ProblemError, match=words):
+            UzawaSolver().Solve(disc)
 
 
 def test_laws_may_work_in_place_and_return_integers_or_numbers():

@@ -39,6 +39,8 @@ class AddedForms:
         values = part.data if isinstance(form, BilinearForm) else part
         if not np.all(np.isfinite(values)):
             raise ProblemError("the added form is not finite; look for a division by zero or a root of a negative number")
+        if not len(form.integrators) and not np.any(values):
+            raise ProblemError("the form has no integrals; give it some, with +=, before it is added")
         self._forms.append(form)
         self._parts.append(part)
         for name in ("matrix", "load"):
@@ -76,15 +78,16 @@ class AddedForms:
     def _CheckIntegrals(self, form):
         """Every integral is over elements or facets, and is not 0, as integrals over boundary elements are on these spaces."""
         for number, integrator in enumerate(form.integrators, start=1):
-            kind, alone, part = str(integrator).strip(), type(form)(self.space), np.zeros(1)
+            kind, alone = str(integrator).strip(), type(form)(self.space)
+            if kind not in INTEGRATORS:
+                raise ProblemError(f"integral {number} of the form is {kind!r}, none of those that can be added; {SPELLING}")
             if kind == "Integrator":
                 CheckSkeleton(self.facets)
-            if kind in INTEGRATORS:
-                alone += integrator
-                part = self._Assembled(alone)
+            alone += integrator
+            part = self._Assembled(alone)
             if not np.any(getattr(part, "data", part)):
-                raise ProblemError(f"integral {number} of the form is 0, or none of those that can be added: ds alone has no "
-                                   f"values of a discontinuous function; {SPELLING}")
+                raise ProblemError(f"integral {number} of the form is 0: ds alone has no values of a discontinuous function, a "
+                                   f"region may be empty, a Parameter 0; {SPELLING}, and add it while Parameters are not 0")
 
     def _Assembled(self, form):
         """The values of a form, scipy CSR or (ndof,), in memory of their own."""

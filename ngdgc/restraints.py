@@ -11,6 +11,7 @@ from .facets import Projected, RigidMotions, RigidMotionsAt
 from .quadrature import BoundaryQuadrature
 
 SOFT = 1e-3         # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
+NOTHING = 1e-12     # of the energy of a motion, relative to the sizes of its terms
 ORDER = 4           # of the quadrature on supports
 DEPTHS = 10.0 ** np.arange(-6, 1)   # penetrations at which a foundation may resist, in units of the extent of the body
 
@@ -117,8 +118,9 @@ def Springs(facets, space, matrix):
             modes.append(Projected(space, here * ((mode - CF(tuple(shift[0]))) / size if turning else mode)))
         gram = np.array(modes) @ (matrix @ np.array(modes).T)
         values, vectors = np.linalg.eigh(gram + gram.T)
-        # What pushes does not resist.
-        gram = (vectors * np.maximum(values, 0)) @ vectors.T
+        # What pushes does not resist, and the round-off of a form that no rigid motion feels is no resistance either.
+        size = np.trace(np.abs(modes) @ (abs(matrix) @ np.abs(modes).T))
+        gram = (vectors * np.where(values > NOTHING * size, values, 0)) @ vectors.T
         grams.append(gram / (np.trace(gram) or 1))
     return np.array(grams)
 

@@ -5,7 +5,7 @@ import scipy.sparse as sp
 from conftest import Example
 from mistakes import HELD, SOFT, Disc, On
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, VectorL2, ds, dx, sqrt, x, y
+from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, Variation, VectorL2, ds, dx, sqrt, x, y
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    Lifting, SemismoothNewtonSolver, Solve, UzawaSolver)
@@ -76,6 +76,14 @@ def Elsewhere():
     return Disc().Add(BilinearForm(u * v * dx))
 
 
+def Quadratic():
+    """An energy, which is no bilinear form though its derivative is one."""
+    disc = Disc()
+    form = BilinearForm(disc.space)
+    form += Variation(disc.space.TrialFunction() ** 2 * dx)
+    return disc.Add(form)
+
+
 def Condensed():
     disc = Disc(Conforming(), order=2)
     u, v = disc.space.TnT()
@@ -136,6 +144,8 @@ PROBLEMS = [
      "Parameter in material: E | was set anew since the solution was computed | set it back"),
     (lambda _: Parametric(lambda modulus, gap: gap.Set(1), lambda solution: Solve(solution.disc)),
      "foundation 'bottom': gap: a GridFunction | was changed after the Discretization was made | make a new one"),
+    (lambda _: Added(lambda u, v: BilinearForm(u.space)), "the form has no integrals | with +=, before it is added | give"),
+    (lambda _: Quadratic(), "integral 1 of the form is 'Symbolic Energy' | none of those that can be added | write dx"),
     (lambda _: Added(lambda u, v: BilinearForm(u * v * ds)), "integral 1 of the form is 0 | ds alone | ds(skeleton=True"),
     (lambda _: Added(lambda u, v: BilinearForm((u - u.Other()) * v * ds(skeleton=True))),
      "form has another matrix than it applies | Other() on the boundary | leave Other() out"),

@@ -5,7 +5,7 @@ import pytest
 from conftest import Example
 from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, BilinearForm, IfPos, Mesh, dx, specialcf, sqrt, x, y
+from ngsolve import CF, BilinearForm, Grad, IfPos, InnerProduct, Mesh, Sym, dx, specialcf, sqrt, x, y
 from test_forms import Tilted
 
 from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization,
@@ -159,6 +159,22 @@ def test_springs_hold_a_body_that_nothing_else_holds(method):
     assert SemismoothNewtonSolver().Solve(disc).displacement == pytest.approx(solution.displacement, abs=1e-8)
     with pytest.raises(ProblemError, match="only contact resists translation along x"):
         UzawaSolver().Solve(Held(lambda u, v: 40 * u[1] * v[1]))
+
+
+def test_forms_that_no_rigid_motion_feels_hold_nothing(method):
+    """Round-off of strains, and of a form that is skew, is no stiffness; control: the smallest one that is holds."""
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(10)),
+                             traction={"right": (5, 0)}, bodyforce=(0, -1))
+
+    def Added(integrand):
+        disc = Discretization(problem, method, RectangleMesh(2, upper=(2, 1)))
+        return disc.Add(BilinearForm(integrand(*disc.space.TnT()) * dx))
+    for integrand in (lambda u, v: 500 * InnerProduct(Sym(Grad(u)), Sym(Grad(v))), lambda u, v: u[0] * v[1] - u[1] * v[0]):
+        assert "translation along x" in Added(integrand).unresisted
+        with pytest.raises(ProblemError, match="the body floats: nothing resists translation along x"):
+            Solve(Added(integrand))
+    held = Added(lambda u, v: 500 * InnerProduct(Sym(Grad(u)), Sym(Grad(v))) + 1e-3 * u[0] * v[0])
+    assert "translation along x" not in held.unresisted and held.matrix.height == held.space.ndof
 
 
 def test_springs_hold_one_part_of_the_mesh():

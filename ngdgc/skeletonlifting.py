@@ -51,10 +51,10 @@ class LiftedSkeletonForm(SkeletonForm):
 
     def Prescribed(self):
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
-        v, loads = self.space.TestFunction(), {}
+        v, loads, given = self.space.TestFunction(), {}, self._Given()
         for part in self.parts:
             if part.region is not None:
-                data = self._Data(part.region)
+                data = given[part.region].__getitem__
                 load = self._Stabilisation(self._B(), data)
                 if self.lifted:
                     load = load + self.theta * (self._R.T @ (self._inverse @ self._Sum(data)))
@@ -67,10 +67,10 @@ class LiftedSkeletonForm(SkeletonForm):
 
     def Fluxes(self, gfu):
         """The numerical flux tested on each set of facets, {region, or None between elements: (ndof,)}."""
-        v, vector, tested = self.space.TestFunction(), gfu.vec.FV().NumPy(), {}
+        v, vector, tested, given = self.space.TestFunction(), gfu.vec.FV().NumPy(), {}, self._Given()
 
         def Mismatch(colour):
-            return self._B()(colour) @ vector - sum(data for (_, own), data in self._data.items() if own == colour)
+            return self._B()(colour) @ vector - sum(data[colour] for data in given.values())
 
         for part in self.parts:
             own = self._B(part.region)
@@ -101,19 +101,17 @@ class LiftedSkeletonForm(SkeletonForm):
                 found[part.region, colour] = Csr(form.Assemble().mat)
         return found
 
-    @cached_property
-    def _data(self):
-        """{(region, colour): -<w_D, {q}>}, the moments of the prescribed values."""
+    def _Given(self):
+        """{region: [-<w_D, {q}> for every colour]}, the moments of the prescribed values, whose Parameters may be set anew."""
         # NGSolve has no linear forms of symmetric matrix functions on facets: tested with 1 in a bilinear form instead.
         constants = L2(self.space.mesh, order=0, dgjumps=True)
         one, q = constants.TrialFunction(), self.liftings.TestFunction()
-        found = {}
+        found = {part.region: [] for part in self.parts if part.region is not None}
         for part in self.parts:
-            for colour, indicator in enumerate(self._indicators):
-                if part.region is not None:
-                    form = BilinearForm(trialspace=constants, testspace=self.liftings)
-                    form += -indicator * one * (part.value * part.MeanOf(q)) * part.measure
-                    found[part.region, colour] = Csr(form.Assemble().mat) @ np.ones(constants.ndof)
+            for indicator in self._indicators if part.region is not None else ():
+                form = BilinearForm(trialspace=constants, testspace=self.liftings)
+                form += -indicator * one * (part.value * part.MeanOf(q)) * part.measure
+                found[part.region].append(Csr(form.Assemble().mat) @ np.ones(constants.ndof))
         return found
 
     @cached_property
@@ -141,9 +139,6 @@ class LiftedSkeletonForm(SkeletonForm):
         """The moments of all parts, or of one region, as a function of the colour."""
         return lambda colour: sum(moments for (own, number), moments in self._moments.items()
                                   if number == colour and region in (..., own))
-
-    def _Data(self, region):
-        return lambda colour: self._data[region, colour]
 
     def _Sum(self, moments):
         return sum(moments(colour) for colour in range(len(self._indicators)))

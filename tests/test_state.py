@@ -8,9 +8,9 @@ import pytest
 from ngsolve import (CF, H1, L2, BilinearForm, BoundaryFromVolumeCF, GridFunction, IfPos, Parameter, VectorH1, dx, grad,
                      specialcf, x, y)
 
-from ngdgc import (LDG, AnisotropicMaterial, ComplianceLaw, Conforming, ContactProblem, CoulombFriction, Discretization,
-                   Foundation, HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance, NotConvergedError, ProblemError,
-                   SemismoothNewtonSolver, Solve, UzawaSolver)
+from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, ComplianceLaw, Conforming, ContactProblem,
+                   CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance,
+                   NotConvergedError, ProblemError, SemismoothNewtonSolver, Solve, UzawaSolver)
 from ngdgc.formula import Plain
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.state import Leaves
@@ -120,6 +120,28 @@ def test_prescribed_displacements_with_a_parameter():
         assert second.displacement == pytest.approx(right.displacement, abs=1e-9)
         assert second.normalforce > 1.1 * first.normalforce
         assert second.disc.matrix is disc.matrix
+
+
+@pytest.mark.parametrize("assembly", ["facet", "skeleton"])
+@pytest.mark.parametrize("method", [InteriorPenalty(), BassiEtAl(), BrezziEtAl(form="lifting"), LDG(), Conforming()],
+                         ids=["ip", "bassi", "brezzi-lifting", "ldg", "h1"])
+def test_no_form_keeps_prescribed_values(method, assembly):
+    """The liftings of prescribed values follow their Parameters, on either route, in the solution and in its reactions."""
+    def Made(depth, shift):
+        problem = ContactProblem(HookeMaterial(E=2000, nu=0.3), Foundation("bottom", NormalCompliance(300)),
+                                 dirichlet={"top": CF((0.05, -depth))}, roller={"right": shift})
+        return Discretization(problem, method, RectangleMesh(2), order=1, assembly=assembly)
+    depth, shift = Parameter(0.1), Parameter(0)
+    disc = Made(depth, shift)
+    first = Solve(disc)
+    depth.Set(0.12)
+    shift.Set(0.02)
+    second, right = Solve(disc), Solve(Made(0.12, 0.02))
+    # To the tolerance of the solver, relative to forces of about 40; the control: the values matter.
+    for region in ("top", "right"):
+        assert second.Force(region) == pytest.approx(right.Force(region), abs=1e-6)
+        assert np.abs(second.Force(region) - first.Force(region)).max() > 1
+    assert second.GlobalImbalance() < 1e-8
 
 
 @pytest.mark.parametrize("where", ["gap", "k", "E", "load", "top"])

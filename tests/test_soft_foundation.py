@@ -49,6 +49,19 @@ def test_beam_and_lifting_footing_cost_the_same(loads, force):
     assert max(costs[1:]) <= 3 * min(costs)
 
 
+def Steps(k):
+    return len(SemismoothNewtonSolver().Solve(Steel(k, **LIFTED)).history)
+
+
+def test_slip_counts_on_any_foundation(monkeypatch):
+    """The footing sinks by up to 1e9 of what it slips, and 22 points lift off: 3 to 5 steps of Newton's method, always."""
+    assert max(Steps(k) for k in (50, 0.5, 5e-3, 5e-4, 5e-5, 5e-7)) <= 6
+    # Measured by displacements alone, slip is nothing until the body has come to rest, and then every step is too long.
+    monkeypatch.setattr(newtonrun.NewtonRun, "_Merit", lambda self, F: float(np.sum(self.weights * F ** 2)))
+    with pytest.raises((AssertionError, NotConvergedError)):
+        assert max(Steps(k) for k in (5e-4, 5e-5)) <= 12
+
+
 def Slab(k):
     """A plate 300 x 300 x 20 on a foundation with friction, loaded on one half, so that part of it lifts off."""
     foundation = Foundation("bottom", NormalCompliance(k), friction=CoulombFriction(0.3))

@@ -152,9 +152,15 @@ class NewtonRun:
         return self.state
 
     def _Merit(self, F):
-        """|F|^2 in L2(Gamma_C), with |D F/gamma|^2 where D holds the body: in F a large D hides what is out of balance."""
-        balance = 0 if self.held else Apply(self.stiffness, F) / self.scale[:, None]
-        return float(np.sum(self.weights * (F ** 2 + balance ** 2)))
+        """|F|^2 in L2(Gamma_C); where nothing but the foundation holds the body, the energy of F in it and in D, over gamma.
+
+        A soft foundation lets the body move by far more than it slips: of |F|^2 the slip would be round-off.  In tractions
+        slip would weigh so much that no motion is let through.  A large D hides in F what is out of balance.
+        """
+        if self.held:
+            return float(np.sum(self.weights * F ** 2))
+        holding = self.holding.slope + self.stiffness / self.scale[:, None, None]
+        return float(np.sum(self.weights * F * Apply(holding, F)))
 
     def _Step(self, state, load=1.0):
         """One Newton step, shortened until the merit falls; the best state found."""

@@ -114,11 +114,11 @@ def _Digest(field):
 
 
 def _Laws(problem):
-    """(words, law) of the laws whose attributes can be set: those of the package are frozen."""
+    """(words, law) of the laws with attributes, also frozen ones: a list or an array in them may be changed in place."""
     for foundation in problem.foundation:
         for role in ("compliance", "friction"):
             law = getattr(foundation, role)
-            if hasattr(law, "__dict__") and not getattr(getattr(law, "__dataclass_params__", None), "frozen", False):
+            if hasattr(law, "__dict__"):
                 yield f"{role} on {foundation.boundary!r}", law
 
 
@@ -127,6 +127,10 @@ def _Plain(law):
     def Told(value):
         if isinstance(value, np.ndarray):
             return value.tobytes()
+        if isinstance(value, (list, tuple)):    # which may be changed in place, too
+            return tuple(map(Told, value))
+        if isinstance(value, dict):
+            return tuple((key, Told(entry)) for key, entry in value.items())
         return value if isinstance(value, (int, float, str)) else id(value)
     return {name: Told(value) for name, value in vars(law).items()}
 

@@ -2,11 +2,12 @@
 
 from dataclasses import dataclass
 from threading import Thread
+from typing import Any
 
 import numpy as np
 import pytest
-from ngsolve import (CF, H1, L2, BilinearForm, BoundaryFromVolumeCF, GridFunction, IfPos, Parameter, VectorH1, dx, grad,
-                     specialcf, x, y)
+from ngsolve import (CF, H1, L2, BilinearForm, BoundaryFromVolumeCF, GridFunction, IfPos, LinearForm, Parameter, VectorH1, dx,
+                     grad, specialcf, x, y)
 
 from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, ComplianceLaw, Conforming, ContactProblem,
                    CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance,
@@ -97,6 +98,27 @@ def test_a_parameter_is_read_when_a_solver_begins(method, solver, name, first, s
     assert solver.Solve(disc).disc is disc
 
 
+@pytest.mark.parametrize("method", [LDG(), Conforming()], ids=["ldg", "h1"])
+@pytest.mark.parametrize("kind", [BilinearForm, LinearForm])
+def test_a_parameter_in_an_added_form_is_read_when_a_solver_begins(kind, method):
+    """As if the form had been added with the value that it has then; control: the two values give other forces."""
+    value = Parameter(200.0)
+    problem = ContactProblem(HookeMaterial(E=2000, nu=0.3), Foundation("bottom", NormalCompliance(300)),
+                             dirichlet={"top": (0, -0.1)})
+
+    def Added(value):
+        disc = Discretization(problem, method, RectangleMesh(3))
+        u, v = disc.space.TnT()
+        return disc.Add(kind(value * (u * v if kind is BilinearForm else v[1]) * dx))
+    disc = Added(value)
+    first = Solve(disc).normalforce
+    value.Set(900.0)
+    second, expected = Solve(disc), Solve(Added(900.0))
+    # The iterations stop at 1e-10 of the tractions.
+    assert second.normalforce == pytest.approx(expected.normalforce, rel=1e-8) and second.GlobalImbalance() < 1e-8
+    assert abs(second.normalforce - first) > 0.05 * first
+
+
 def test_a_parameter_of_the_material_makes_the_stress_of_an_old_solution_an_error():
     """An expression of NGSolve would be evaluated with the new value; other quantities keep the old one."""
     E, load = Parameter(2000), Parameter(20)
@@ -177,6 +199,35 @@ def test_a_law_whose_number_was_changed_is_refused():
     assert Solve(disc).converged
     law.k = 100.0
     with pytest.raises(ProblemError, match="k of compliance.*number of a law was changed"):
+        Solve(disc)
+
+
+@dataclass(frozen=True)
+class Frozen(ComplianceLaw):
+    """A law whose stiffness stands in something that can be changed in place."""
+
+    holder: Any
+
+    @property
+    def stiffness(self):
+        return (self.holder["k"] if isinstance(self.holder, dict) else self.holder)[0]
+
+    def Pressure(self, r):
+        return self.stiffness * np.maximum(r, 0)
+
+    def PressureDerivative(self, r):
+        return self.stiffness * (r > 0)
+
+
+@pytest.mark.parametrize("Make", [lambda: [300.0], lambda: np.array([300.0]), lambda: {"k": [300.0]}],
+                         ids=["list", "array", "dictionary"])
+def test_what_a_law_holds_may_not_be_changed_in_place_either(Make):
+    law = Frozen(Make())
+    problem = ContactProblem(HookeMaterial(E=2000, nu=0.3), Foundation("bottom", law), dirichlet={"top": (0, -0.1)})
+    disc = Discretization(problem, LDG(), RectangleMesh(3))
+    assert Solve(disc).converged
+    (law.holder["k"] if isinstance(law.holder, dict) else law.holder)[0] = 100.0
+    with pytest.raises(ProblemError, match="holder of compliance.*number of a law was changed"):
         Solve(disc)
 
 

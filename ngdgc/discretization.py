@@ -7,7 +7,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from ngsolve import CF, GridFunction, Mesh, ds, dx
+from ngsolve import GridFunction, Mesh, ds, dx
 
 from .added import AddedForms
 from .calls import ByKeyword
@@ -15,11 +15,11 @@ from .coefficients import LOADBONUS, OnFacets, Unfolded
 from .contact import ContactBoundary
 from .equations import LinearEquations
 from .exceptions import ProblemError
-from .facets import Csr, Facets, Native, Projected, Threads
+from .facets import Csr, Facets, Native, Threads
 from .inside import OnBoundary
 from .inverses import Inverse, Kind
 from .memory import CheckAssembly
-from .motions import FreeMotions
+from .motions import FreeMotions, ProjectedMotions
 from .problem import ContactProblem
 from .protocols import Array, Method
 from .quadrature import ContactRules
@@ -223,7 +223,7 @@ class Discretization(LinearEquations):
     @cached_property
     def resultant(self) -> Array:
         """The sum of all loads, (d,) [stress length^(d-1)]."""
-        return np.array([Projected(self.space, CF(tuple(axis))) @ self.load for axis in np.eye(self.mesh.dim)])
+        return ProjectedMotions(self.space, np.zeros(self.mesh.dim))[:self.mesh.dim] @ self.load
 
     shift = 0.0     # displacement of Gamma_C that is not in the space, as `subspace.Subspace` has one
 

@@ -26,6 +26,15 @@ VOLUME_TYPES = {2: (TRIG, QUAD), 3: (TET, HEX, PRISM, PYRAMID)}
 TYPES = {1: {2: ET.SEGM}, 2: {3: ET.TRIG, 4: ET.QUAD}, 3: {4: ET.TET, 5: ET.PYRAMID, 6: ET.PRISM, 8: ET.HEX}}
 # Vertices of Netgen's types of elements.
 CORNERS = {10: 3, 11: 4, 12: 3, 13: 4, 14: 4, 20: 4, 21: 4, 22: 5, 23: 6, 24: 6, 25: 8, 26: 8, 27: 6, 28: 5}
+# Vertices of the sides of an element, in NGSolve's order of sides, each counter-clockwise seen from outside.
+SIDEVERTICES = {
+    ET.TRIG: [(2, 0), (1, 2), (0, 1)],
+    ET.QUAD: [(0, 1), (2, 3), (3, 0), (1, 2)],
+    ET.TET: [(1, 3, 2), (0, 2, 3), (0, 3, 1), (0, 1, 2)],
+    ET.HEX: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3)],
+    ET.PRISM: [(0, 2, 1), (3, 4, 5), (0, 3, 5, 2), (0, 1, 4, 3), (1, 2, 5, 4)],
+    ET.PYRAMID: [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), (0, 3, 2, 1)],
+}
 SIDES = {2: {3: 3, 4: 4}, 3: {4: 4, 5: 5, 6: 5, 8: 6}}
 
 
@@ -70,6 +79,13 @@ def Vertices(mesh, dim):
         kinds, kind = np.unique(elements["type"], return_inverse=True)
         nodes[np.arange(nodes.shape[1]) >= np.array([CORNERS[int(one)] for one in kinds])[kind][:, None]] = -1
     return nodes
+
+
+def ByType(vertices, dim):
+    """(element type, its element numbers)."""
+    counts = (vertices >= 0).sum(axis=1)
+    for count in np.unique(counts):
+        yield TYPES[dim][int(count)], np.flatnonzero(counts == count)
 
 
 def VolumePoints(mesh, order):
@@ -176,6 +192,23 @@ class Facets:
         """Of the boundary elements: numbers of facet (n,) and region (n,), vertex numbers (n, most) filled up with -1."""
         pairs = [(element.dofs[0], element.index) for element in self.space.Elements(BND)]
         return *np.array(pairs, dtype=np.int64).reshape(-1, 2).T, Vertices(self.mesh, self.mesh.dim - 1)
+
+    @cached_property
+    def proper(self):
+        """True for the boundary elements whose vertices are those of a side of an element, (n,)."""
+        numbers, _, vertices = self.boundary
+        proper = self.neighbours[numbers] > 0
+        near = np.flatnonzero(proper)
+        elements = self.incidence.indices[self.incidence.indptr[numbers[near]]]
+        for et, rows in ByType(self.vertices[elements], self.mesh.dim):
+            here, sides = near[rows], np.full((len(SIDEVERTICES[et]), vertices.shape[1]), -1)
+            for side, local in enumerate(SIDEVERTICES[et]):
+                sides[side, :len(local)] = local
+            own = self.ofelements[self.starts[elements[rows]][:, None] + np.arange(len(sides))]
+            local = sides[(own == numbers[here, None]).argmax(axis=1)]
+            expected = np.where(local >= 0, np.take_along_axis(self.vertices[elements[rows]], local, axis=1), -1)
+            proper[here] = np.all(np.sort(expected, axis=1) == np.sort(vertices[here], axis=1), axis=1)
+        return proper
 
     def On(self, region):
         """True for the facets of a boundary region that are sides of elements, over facets."""

@@ -4,22 +4,13 @@ import numpy as np
 from ngsolve import BND, ET, VERTEX, specialcf
 
 from .exceptions import ProblemError
-from .facets import REFERENCE_VERTICES, TYPES, Curved, Vertices, VolumePoints
+from .facets import REFERENCE_VERTICES, SIDEVERTICES, TYPES, ByType, Curved, Vertices, VolumePoints
 
 ROUNDOFF = 4e-15    # of coordinates, relative to the largest of them
 VANISHES = 1e-10    # a determinant relative to the largest of its element
 ANGLE = 1 / 8       # of the points looked at: the determinant may vanish at a straight angle, not all along a side
 BATCH = 1 << 18     # points at which maps are looked at in one go
 INNER = 0.95        # of curved elements: at a corner in the middle of a smooth boundary the determinant is about zero
-# Vertices of the sides of an element, in NGSolve's order of sides, each counter-clockwise seen from outside.
-SIDEVERTICES = {
-    ET.TRIG: [(2, 0), (1, 2), (0, 1)],
-    ET.QUAD: [(0, 1), (2, 3), (3, 0), (1, 2)],
-    ET.TET: [(1, 3, 2), (0, 2, 3), (0, 3, 1), (0, 1, 2)],
-    ET.HEX: [(0, 3, 2, 1), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3)],
-    ET.PRISM: [(0, 2, 1), (3, 4, 5), (0, 3, 5, 2), (0, 1, 4, 3), (1, 2, 5, 4)],
-    ET.PYRAMID: [(0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4), (0, 3, 2, 1)],
-}
 
 
 def CheckElements(mesh):
@@ -33,14 +24,14 @@ def CheckElements(mesh):
     vertices, middles = Vertices(mesh, mesh.dim), Middles(mesh)
     # Netgen marks all that is no simplex as curved.
     curved = _Marked(mesh.ngmesh) & Curved(mesh) | (mesh.deformation is not None)
-    for et, rows in _ByType(vertices, mesh.dim):
+    for et, rows in ByType(vertices, mesh.dim):
         corners = vertices[rows[~curved[rows]], :len(REFERENCE_VERTICES[et])]
         affine = np.zeros(len(rows), dtype=bool)
         affine[~curved[rows]] = _Affine(mesh, et, corners)
-        inner = Lattice(et, 2 * mesh.GetCurveOrder() + 2)
-        inner = inner.mean(axis=0) + INNER * (inner - inner.mean(axis=0))
-        for some, points in ((affine, Lattice(et, 1)[:1]), (~affine & ~curved[rows], Lattice(et, 2)), (curved[rows], inner)):
-            _CheckMaps(mesh, middles[rows[some]], points)
+        for some, Points in ((affine, lambda et: np.zeros((1, 3))), (~affine & ~curved[rows], lambda et: Lattice(et, 2)),
+                             (curved[rows], lambda et: _Inner(et, 2 * mesh.GetCurveOrder() + 2))):
+            if np.any(some):
+                _CheckMaps(mesh, middles[rows[some]], Points(et))
 
 
 def _Marked(mesh):
@@ -66,13 +57,6 @@ def Middles(mesh):
     return points[np.flatnonzero(np.diff(points["nr"], prepend=-1))]
 
 
-def _ByType(vertices, dim):
-    """(element type, its element numbers)."""
-    counts = (vertices >= 0).sum(axis=1)
-    for count in np.unique(counts):
-        yield TYPES[dim][int(count)], np.flatnonzero(counts == count)
-
-
 def _Affine(mesh, et, vertices):
     """True for the elements (n, vertices) that are affine images of the reference element, (n,)."""
     if et in (ET.TRIG, ET.TET):
@@ -94,6 +78,12 @@ def Lattice(et, n):
     inside = {ET.TRIG: (r + s < 1 + 0.5 / n) & (t == 0), ET.QUAD: t == 0, ET.TET: r + s + t < 1 + 0.5 / n,
               ET.HEX: t >= 0, ET.PRISM: r + s < 1 + 0.5 / n, ET.PYRAMID: t == 0}[et]
     return np.stack([r, s, t], axis=1)[inside]
+
+
+def _Inner(et, n):
+    """The same points a little inside."""
+    points = Lattice(et, n)
+    return points.mean(axis=0) + INNER * (points - points.mean(axis=0))
 
 
 def _CheckMaps(mesh, middles, reference):
@@ -155,7 +145,7 @@ def CheckSides(facets):
                            "common to two elements at most: remove elements that occur twice or overlap")
     determinants, _ = _Determinants(mesh, Middles(mesh)[:, None])
     turns = np.empty(len(facets.ofelements))
-    for et, rows in _ByType(facets.vertices, mesh.dim):
+    for et, rows in ByType(facets.vertices, mesh.dim):
         for side, local in enumerate(SIDEVERTICES[et]):
             turns[facets.starts[rows] + side] = np.sign(determinants[rows, 0]) * _Turn(facets.vertices[rows[:, None], local])
     seen = np.bincount(facets.ofelements, turns, minlength=len(facets.neighbours))
@@ -175,9 +165,8 @@ def _Turn(vertices):
 
 def Sides(facets, region):
     """True for the boundary elements of a region that are sides of elements, of several on one side for the first only."""
-    numbers, regions, vertices = facets.boundary
-    rows = np.flatnonzero(np.array(list(facets.mesh.Boundaries(region).Mask()))[regions])
-    rows = rows[_AreSides(facets, numbers[rows], vertices[rows])]
+    numbers, regions, _ = facets.boundary
+    rows = np.flatnonzero(np.array(list(facets.mesh.Boundaries(region).Mask()))[regions] & facets.proper)
     found = np.zeros(len(numbers), dtype=bool)
     found[rows[np.unique(numbers[rows], return_index=True)[1]]] = True
     return found
@@ -189,7 +178,7 @@ def CheckBoundary(facets, region):
     names, wanted = mesh.GetBoundaries(), np.array(list(mesh.Boundaries(region).Mask()))[regions]
     for row in np.flatnonzero(wanted & ~Sides(facets, region))[:1]:
         twins = np.flatnonzero(wanted & (numbers == numbers[row]))
-        if not _AreSides(facets, numbers[[row]], vertices[[row]])[0]:
+        if not facets.proper[row]:
             raise ProblemError(f"boundary {names[regions[row]]!r} has an element {_Between(mesh, vertices[row])}, which is no "
                                "side of an element of the body; remove it from the mesh, or give it another name")
         both = " and ".join(dict.fromkeys(repr(names[regions[twin]]) for twin in twins))
@@ -206,23 +195,6 @@ def CheckSkeleton(facets):
                            f"{_Between(facets.mesh, vertices[row])}, which is no side of an element of the body; NGSolve's "
                            "integrals over sides need a mesh without it: remove it, or take assembly='facet', without rollers "
                            "in Conforming")
-
-
-def _AreSides(facets, numbers, vertices):
-    """True where vertex numbers (n, most) are those of a facet (n,) of an element, (n,)."""
-    known = facets.neighbours[numbers] > 0
-    elements = facets.incidence.indices[facets.incidence.indptr[numbers[known]]]
-    for et, rows in _ByType(facets.vertices[elements], facets.mesh.dim):
-        around = facets.vertices[elements[rows]]
-        sides = facets.starts[elements[rows]][:, None] + np.arange(len(SIDEVERTICES[et]))
-        which = (facets.ofelements[sides] == numbers[known][rows, None]).argmax(axis=1)
-        table = np.full((len(SIDEVERTICES[et]), vertices.shape[1]), -1)
-        for side, local in enumerate(SIDEVERTICES[et]):
-            table[side, :len(local)] = local
-        expected = np.where(table[which] >= 0, np.take_along_axis(around, table[which], axis=1), -1)
-        place = np.flatnonzero(known)[rows]
-        known[place] = np.all(np.sort(expected, axis=1) == np.sort(vertices[place], axis=1), axis=1)
-    return known
 
 
 def _Around(facets, facet):

@@ -9,11 +9,27 @@ where no rigid motion is left in y: forces and moments of contact balance the lo
 """
 
 import numpy as np
-from ngsolve import CF
+from ngsolve import CF, GridFunction
 
-from .facets import Csr, Projected, RigidMotions, RigidMotionsAt
+from .facets import Coordinates, Csr, RigidMotionsAt
 
 NULL = 1e-11        # A R in units of what its terms are, that is round-off
+
+
+def ProjectedMotions(space, centre):
+    """Coefficients (modes, ndof) of the rigid motions of `RigidMotions`, rotations about a centre (d,), in a vector space.
+
+    Their components are combinations of 1 and of x - centre, which are all that is projected: components have equal spaces.
+    """
+    scalar, dim = GridFunction(space).components[0], space.mesh.dim
+    functions = []
+    for function in (CF(1), *(Coordinates(dim)[axis] - centre[axis] for axis in range(dim))):
+        scalar.Set(function)
+        functions.append(scalar.vec.FV().NumPy().copy())
+    # The motions are affine: at the centre they are the translations, one step further along an axis what that adds.
+    corners = RigidMotionsAt(np.vstack([np.zeros(dim), np.eye(dim)]))
+    parts = np.concatenate([corners[:, :1], corners[:, 1:] - corners[:, :1]], axis=1)
+    return np.einsum("cmd,mn->cdn", parts, functions).reshape(len(parts), -1)
 
 
 def FreeMotions(disc):
@@ -24,9 +40,7 @@ def FreeMotions(disc):
     if disc.added.matrix is not None or disc.facets.component.max() > 0:
         return np.empty((0, disc.space.ndof))
     centre = disc.mesh.ngmesh.Coordinates()[:, :disc.mesh.dim].mean(axis=0)
-    shifts = RigidMotionsAt(centre[None])[:, 0]
-    motions = np.array([Projected(disc.space, motion - CF(tuple(shift)) if number >= disc.mesh.dim else motion)
-                        for number, (motion, shift) in enumerate(zip(RigidMotions(disc.mesh.dim), shifts))])
+    motions = ProjectedMotions(disc.space, centre)
     matrix, fixed = Csr(disc.matrix), ~np.array(disc.space.FreeDofs(), dtype=bool)
     terms = matrix.diagonal()[:, None] * motions.T
     terms[fixed] = 0
@@ -47,10 +61,11 @@ class Deflation:
         root = np.sqrt(np.maximum(values, 0) * contact.weights[:, None])[:, :, None] * np.swapaxes(vectors, 1, 2)
         self.pulls = np.einsum("nij,mnj->mni", stiffness, self.traces)
         # R' K R = B' B: what is stiff in one direction hides nothing that is soft in another.
-        self.triangle = np.linalg.qr(np.einsum("nij,mnj->nim", root, self.traces).reshape(-1, len(motions)), mode="r")
+        triangle = np.linalg.qr(np.einsum("nij,mnj->nim", root, self.traces).reshape(-1, len(motions)), mode="r")
+        self.flexible = np.linalg.inv(triangle)
 
     def _Amplitudes(self, forces):
-        return np.linalg.solve(self.triangle, np.linalg.solve(self.triangle.T, forces))
+        return self.flexible @ (self.flexible.T @ forces)
 
     def Solve(self, Inverse, load):
         """x (ndof,) of a load b (ndof,)."""

@@ -12,7 +12,8 @@ from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
 from .calls import ByKeyword
 from .conformingtractions import AddedForce
-from .facets import Projected, RigidMotions, RigidMotionsAt, VolumePoints
+from .facets import RigidMotionsAt, VolumePoints
+from .motions import ProjectedMotions
 from .skeleton import Coefficients
 
 
@@ -40,7 +41,7 @@ class Resultant:
 @ByKeyword
 def RigidBasis(space):
     """Coefficients in V_h of the rigid motions, (modes, ndof)."""
-    return np.array([Projected(space, motion) for motion in RigidMotions(space.mesh.dim)])
+    return ProjectedMotions(space, np.zeros(space.mesh.dim))
 
 
 @ByKeyword

@@ -159,12 +159,18 @@ class MeshState:
         self.order = mesh.GetCurveOrder()
         self.names = mesh.GetMaterials(), mesh.GetBoundaries()
         self.points = mesh.ngmesh.Coordinates().copy()
-        self.elements = [array["index"].copy() for array in _Elements(mesh)]
+        # Netgen takes long to tell the layout of its elements, which stays the same.
+        self.types = [array.NumPy().dtype for array in _Elements(mesh)]
+        self.elements = [indices.copy() for indices in self._Indices(mesh)]
         self.deformation = None if mesh.deformation is None else mesh.deformation.vec.FV().NumPy().copy()
+
+    def _Indices(self, mesh):
+        """Region numbers of elements and boundary elements, views."""
+        return [np.frombuffer(array, dtype)["index"] for array, dtype in zip(_Elements(mesh), self.types)]
 
     def Changed(self, mesh):
         """What has happened to the mesh since, in words, or None."""
-        elements, points = _Elements(mesh), mesh.ngmesh.Coordinates()
+        elements, points = self._Indices(mesh), mesh.ngmesh.Coordinates()
         if [len(array) for array in elements] != [len(array) for array in self.elements] or points.shape != self.points.shape:
             return "the mesh was refined, or elements were added"
         if mesh.GetCurveOrder() != self.order:
@@ -173,7 +179,7 @@ class MeshState:
             return "points of the mesh were moved"
         if (mesh.GetMaterials(), mesh.GetBoundaries()) != self.names:
             return "regions of the mesh were renamed"
-        if not all(np.array_equal(array["index"], before) for array, before in zip(elements, self.elements)):
+        if not all(np.array_equal(indices, before) for indices, before in zip(elements, self.elements)):
             return "elements of the mesh were given other regions"
         deformation = None if mesh.deformation is None else mesh.deformation.vec.FV().NumPy()
         if (deformation is None) != (self.deformation is None) or not np.array_equal(deformation, self.deformation):
@@ -182,6 +188,6 @@ class MeshState:
 
 
 def _Elements(mesh):
-    """Netgen's elements and boundary elements, numpy arrays."""
+    """Netgen's elements and boundary elements, its own arrays."""
     kinds = (mesh.ngmesh.Elements1D, mesh.ngmesh.Elements2D, mesh.ngmesh.Elements3D)[mesh.dim - 2:mesh.dim]
-    return [kind().NumPy() for kind in kinds]
+    return [kind() for kind in kinds]

@@ -115,6 +115,21 @@ def test_boundary_elements_off_the_sides_are_refused(cells):
         assert facets.neighbours[number[regions == axis]].min() > 0     # the control: the facet's number does not tell
 
 
+def test_sides_are_told_apart_in_meshes_of_several_types():
+    """A side that is none, of a prism, moves no number of a hexahedron's, whichever of the two is looked at first."""
+    prism = [(3, 0, 0), (4, 0, 0), (3, 1, 0), (3, 0, 1), (4, 0, 1), (3, 1, 1)]
+    sides = {"no side of the prism": (8, 9, 12), "bottom of the hexahedron": (0, 3, 2, 1), "its top": (4, 5, 6, 7),
+             "no side of it": (0, 1, 5), "bottom of the prism": (8, 10, 9)}
+    mesh = Body(3, CUBE + prism, range(8, 14), range(8)).ngmesh
+    for name, corners in sides.items():
+        Side(mesh, [corner + 1 for corner in corners], name)
+    facets = Facets(Mesh(mesh))
+    # All have the number of a facet of an element, which does not tell.
+    assert np.all(facets.neighbours[facets.boundary[0]] == 1)
+    assert {name: bool(side) for name, side in zip(facets.mesh.GetBoundaries(), facets.proper)} == {
+        "skin": True} | {name: not name.startswith("no") for name in sides}
+
+
 def test_vertices_of_no_element_change_nothing():
     """Far away they are no part of the size of the body, by which free motions and forces are measured."""
     mesh, right = Lost("tet", "axis", far=1e6), UnitMesh(2, "tet")

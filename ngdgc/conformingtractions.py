@@ -23,7 +23,7 @@ from .coefficients import LOADBONUS, OnFacets, Unfolded
 from .contact import TraceMatrix
 from .cuts import CutSpace
 from .elasticity import Strain
-from .facets import Threads
+from .facets import Free, Threads
 from .quadrature import BoundaryQuadrature, ContactRules
 from .skeleton import Coefficients
 from .tractions import FacetFunctions, FacetTractions
@@ -86,7 +86,7 @@ def _Held(solution, sides, shapes, mass):
     size = np.repeat(np.where(mass.diagonal() > 0, mass.diagonal(), 1), dim)
     shapes = sp.kron(shapes[there], sp.identity(dim)).tocsr()
     coupling = jump.T @ sp.diags(np.repeat(weights.ravel(), dim)) @ shapes
-    w = _Smallest(coupling, size, rest, cut.Independent(~np.array(list(disc.space.FreeDofs()), dtype=bool)))
+    w = _Smallest(coupling, size, rest, cut.Independent(~Free(disc.space)))
     found[there] = weights * (mean + (shapes @ w).reshape(-1, dim))
     return found
 

@@ -6,7 +6,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, Discontinuous, ElementId, FacetFESpace,
-                     GridFunction, IfPos, IntegrationRule, L2, LinearForm, TaskManager, dx, x, y, z)
+                     GridFunction, IfPos, IntegrationRule, L2, LinearForm, Projector, TaskManager, dx, x, y, z)
 from ngsolve.la import SparseMatrixd
 
 from .interfaces import Interfaces
@@ -41,6 +41,14 @@ SIDES = {2: {3: 3, 4: 4}, 3: {4: 4, 5: 5, 6: 5, 8: 6}}
 def Csr(matrix):
     """A scipy copy of an NGSolve matrix; the view that CSR() gives dies with its matrix."""
     return sp.csr_matrix(matrix.CSR(), shape=(matrix.height, matrix.width), copy=True)
+
+
+def Free(space):
+    """True for the free dofs of a space, (ndof,)."""
+    ones = GridFunction(space).vec
+    ones.FV().NumPy()[:] = 1
+    Projector(space.FreeDofs(), True).Project(ones)     # to ask a BitArray one by one takes long
+    return ones.FV().NumPy() > 0
 
 
 def Native(matrix):

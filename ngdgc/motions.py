@@ -11,7 +11,7 @@ where no rigid motion is left in y: forces and moments of contact balance the lo
 import numpy as np
 from ngsolve import CF, GridFunction
 
-from .facets import Coordinates, Csr, RigidMotionsAt
+from .facets import Coordinates, Csr, Free, RigidMotionsAt
 
 NULL = 1e-11        # A R in units of what its terms are, that is round-off
 
@@ -41,7 +41,7 @@ def FreeMotions(disc):
         return np.empty((0, disc.space.ndof))
     centre = disc.mesh.ngmesh.Coordinates()[:, :disc.mesh.dim].mean(axis=0)
     motions = ProjectedMotions(disc.space, centre)
-    matrix, fixed = Csr(disc.matrix), ~np.array(disc.space.FreeDofs(), dtype=bool)
+    matrix, fixed = Csr(disc.matrix), ~Free(disc.space)
     terms = matrix.diagonal()[:, None] * motions.T
     terms[fixed] = 0
     motions = motions.T / (np.linalg.norm(terms, axis=0))

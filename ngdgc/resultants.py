@@ -12,7 +12,7 @@ from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
 from .calls import ByKeyword
 from .conformingtractions import AddedForce
-from .facets import RigidMotionsAt, VolumePoints
+from .facets import Free, RigidMotionsAt, VolumePoints
 from .motions import ProjectedMotions
 from .skeleton import Coefficients
 
@@ -104,7 +104,7 @@ def EquilibriumResidual(disc, vector, traction):
     """
     elastic, pull = disc.Multiply(vector), disc.contact.Load(traction)
     diagonal = sp.csr_matrix(disc.matrix.CSR(), shape=disc.matrix.shape).diagonal()
-    free = np.array(disc.space.FreeDofs())
+    free = Free(disc.space)
     size = max(np.linalg.norm(part[free]) for part in (elastic, disc.load, pull, NEGLIGIBLE * diagonal * vector))
     return float(np.linalg.norm((elastic - disc.load + pull)[free]) / size) if size else 0.0
 

@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
-from ngsolve import CF, IfPos, x
+from ngsolve import CF, IfPos, VectorH1, VectorL2, x
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, NormalCompliance, NotConvergedError, SemismoothNewtonSolver, Solve)
+from ngdgc.facets import Free, Projected, RigidMotions
+from ngdgc.meshes import UnitMesh
+from ngdgc.motions import ProjectedMotions
 from ngdgc.solvers import newtonrun
 from ngdgc.solvers.holding import Holding
 
@@ -109,3 +112,18 @@ def test_motions_are_those_that_nothing_resists():
     free, held = Steel(1, **LIFTED), Steel(1, Conforming(), dirichlet={"left": (0, 0)})
     assert free.motions.shape[0] == 3 and held.motions.shape[0] == 0
     assert max(np.abs(free.Multiply(motion)).max() for motion in free.motions) < 1e-10
+
+
+@pytest.mark.parametrize("space", [VectorL2, VectorH1])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_motions_made_of_projections_of_1_and_x_are_those_of_the_rigid_motions(dim, space):
+    mesh = UnitMesh(2, "quad" if dim == 2 else "prism")
+    clamped = space(mesh, order=2, **({"dirichlet": "top"} if space is VectorH1 else {}))
+    expected = np.array([Projected(clamped, motion) for motion in RigidMotions(dim)])
+    # Round-off of NGSolve's mass matrices of single elements.
+    assert np.abs(ProjectedMotions(clamped, np.zeros(dim)) - expected).max() < 1e-13
+    # About another centre they differ by translations, and no less.
+    shifted = ProjectedMotions(clamped, np.full(dim, 0.5))
+    assert np.abs(shifted[dim:] - expected[dim:]).max() > 0.1
+    assert np.linalg.matrix_rank(np.concatenate([shifted, expected]), tol=1e-10) == len(expected)
+    assert np.array_equal(Free(clamped), list(clamped.FreeDofs())) and np.all(Free(clamped)) == (space is VectorL2)

@@ -6,12 +6,21 @@ import math
 
 def Positive(text):
     """A positive integer."""
+    return _Integer(text, 1, "a positive integer; give for example 4")
+
+
+def Natural(text):
+    """A nonnegative integer."""
+    return _Integer(text, 0, "a nonnegative integer; give for example 0")
+
+
+def _Integer(text, least, words):
     try:
         value = int(text)
     except ValueError:
-        value = 0
-    if value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive integer; give for example 4")
+        value = least - 1
+    if value < least:
+        raise argparse.ArgumentTypeError(f"{text!r} is not {words}")
     return value
 
 

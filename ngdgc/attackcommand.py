@@ -1,6 +1,6 @@
 """The command that attacks the library: public names called with wrong, extreme and hostile values."""
 
-from .arguments import Positive
+from .arguments import Natural, Positive
 from .files import Files
 from .signals import SIGNALS
 from .studies import Show
@@ -17,7 +17,7 @@ def AddAttack(commands):
                                  "code 1 if there is a fault, or less than 30 %% of the calls end with a solution.")
     parser.add_argument("--count", type=Positive, default=2000, help="number of calls (default 2000)")
     parser.add_argument("--seed", type=Positive, default=1, help="seed of the random numbers (default 1)")
-    parser.add_argument("--first", type=int, default=0, help="number of the first call, to make one again (default 0)")
+    parser.add_argument("--first", type=Natural, default=0, help="number of the first call, to make one again (default 0)")
     parser.add_argument("--limit", type=Positive, default=60, help="seconds after which a call counts as hung (default 60)")
     parser.add_argument("--out", default="results", help="folder for records and tally (default results/)")
     parser.set_defaults(command=RandomAttack)

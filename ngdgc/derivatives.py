@@ -9,8 +9,14 @@ from ngsolve.comp import GridFunctionCoefficientFunction
 
 from .calls import ByKeyword
 from .exceptions import ProblemError
+from .inside import Parts
 
 AXES = (x, y, z)
+REMEDY = ("give an expression of x, y, z and GridFunctions, without gradients of GridFunctions, normals, voxels, CacheCF and "
+          "Freeze")
+# Functions without parts whose derivatives are known; NGSolve takes others, such as voxels, for constants.
+KNOWN = ("Coord", "Constant", "Parameter", "Zero", "Identity", "UnitVector", "GridFunction")
+TAKEN = "BoundaryFromVolume", "RealCF", "ImagCF"    # functions of others that it differentiates in part
 
 
 @ByKeyword
@@ -21,7 +27,7 @@ def Derivative(value: Any, axis: int, name: str = "the function") -> Any:
 
         d/dx f(x, g) = d_x f + D_g f [d_x g],      d_x g from NGSolve's Grad in every element.
 
-    Raises ProblemError for what has no such derivative: gradients of GridFunctions, compiled and frozen functions, normals.
+    Raises ProblemError for what has no such derivative: gradients of GridFunctions, frozen functions, normals, voxels.
 
     >>> from ngsolve import H1, GridFunction
     >>> from ngdgc.meshes import RectangleMesh
@@ -31,18 +37,18 @@ def Derivative(value: Any, axis: int, name: str = "the function") -> Any:
     >>> round(Derivative(y * square, 0)(mesh(0.5, 0.75)), 12), (y * square).Diff(x)(mesh(0.5, 0.75))
     (0.75, 0.0)
     """
+    functions = _Functions(value, name)
     try:
         total = value.Diff(AXES[axis])
-        for function in _Functions(value):
+        for function in functions:
             variable = (1 * function).MakeVariable()
             total = total + value.Replace({function: variable}).Diff(variable, _Slope(function, axis))
     except Exception as error:
-        raise ProblemError(f"{name} has no symbolic derivative ({str(error).strip()}); give an expression of x, y, z and "
-                           "GridFunctions, without gradients of GridFunctions, normals, Compile and Freeze") from error
+        raise ProblemError(f"{name} has no symbolic derivative ({str(error).strip()}); {REMEDY}") from error
     return total
 
 
-def _Functions(value):
+def _Functions(value, name):
     """The different GridFunctions, or operators of GridFunctions, in the tree of a CoefficientFunction."""
     seen, waiting = {}, [value]
     while waiting:
@@ -51,7 +57,10 @@ def _Functions(value):
             continue
         seen[node] = isinstance(node, (GridFunction, GridFunctionCoefficientFunction))
         if not seen[node]:
-            waiting += node.data["childs"]
+            kind, parts = Parts(node)
+            if not (parts or any(one in kind for one in KNOWN)) or any(one in kind for one in TAKEN):
+                raise ProblemError(f"{name} has no symbolic derivative (a part of it is known at points only); {REMEDY}")
+            waiting += parts
     return [node for node, found in seen.items() if found]
 
 

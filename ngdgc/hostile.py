@@ -62,7 +62,7 @@ def Functions(mesh):
     gfu, inside = GridFunction(H1(mesh, order=1)), GridFunction(L2(mesh, order=0))
     return (x, CF(0), CF(1), CF((1, 2)), CF((1, 2, 3)), CF(1j), CF((1j, 0)), CF(((1, 2), (3, 4))), 1 / (x - x), sqrt(-1 - x),
             1e300 * x, IfPos(x - 0.5, 1, -1), Parameter(1), Parameter(-1) * y, specialcf.normal(mesh.dim), specialcf.mesh_size,
-            sin(100 * x), gfu, inside, mesh.MaterialCF({"nothing": 1}), mesh.BoundaryCF({"top": 1}, default=0),
+            sin(100 * x), gfu, inside, mesh.BoundaryCF({"top": 1}) + x, mesh.BoundaryCF({"top": 1}, default=0),
             gfu.space.TrialFunction(), GridFunction(VectorH1(mesh, order=1)))
 
 

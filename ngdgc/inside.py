@@ -43,6 +43,27 @@ def OnBoundary(value, region, name):
     return value if translation.everywhere else BoundaryFromVolumeCF(seen)
 
 
+def CheckMaterials(value, mesh, name):
+    """Raise ProblemError for a MaterialCF, also within an expression, that lacks a material of the elements and is 0 there."""
+    seen, waiting = {}, [value] if isinstance(value, CoefficientFunction) and not Plain(value) else []
+    while waiting:
+        node = waiting.pop()
+        if not isinstance(node, CoefficientFunction) or node in seen:
+            continue
+        kind, children = seen[node] = Parts(node)
+        waiting += children
+        if "DomainWise" not in kind or None not in children and len(children) >= len(mesh.GetMaterials()):
+            continue
+        _CheckPieces(children, {element.index for element in mesh.Elements(VOL)}, mesh.GetMaterials(), "material", name)
+
+
+def _CheckPieces(children, numbers, names, kind, name):
+    """Raise ProblemError unless a function given by materials or boundaries is given on those of these numbers."""
+    missing = [number for number in numbers if number >= len(children) or children[number] is None]
+    if missing:
+        raise ProblemError(f"{name} has no value on {kind} {names[missing[0]]!r}; give one, or a default")
+
+
 class _Translation:
     """Expressions on a region of the boundary, translated node by node.
 
@@ -62,7 +83,7 @@ class _Translation:
     def _Translated(self, node):
         if isinstance(node, GridFunction):
             return self._Function(node, node)
-        kind, children = _Parts(node)
+        kind, children = Parts(node)
         functions = [child for child in children if isinstance(child, CoefficientFunction)]
         if "GridFunctionCoefficientFunction" in kind:
             return self._Function(node, functions[0])
@@ -152,11 +173,8 @@ class _Translation:
         bymaterial = "defined on BND" not in (self._InsideError(node) or "")
         numbers = {self.mesh[ElementId(VOL, inside)].index if bymaterial else element.index
                    for element, inside in self._elements}
-        missing = [number for number in numbers if number >= len(children) or children[number] is None]
-        if missing:
-            names = self.mesh.GetMaterials() if bymaterial else self.mesh.GetBoundaries()
-            raise ProblemError(f"{self.name} has no value on {'material' if bymaterial else 'boundary'} {names[missing[0]]!r}; "
-                               "give one, or a default")
+        names = self.mesh.GetMaterials() if bymaterial else self.mesh.GetBoundaries()
+        _CheckPieces(children, numbers, names, "material" if bymaterial else "boundary", self.name)
         if bymaterial:
             return self._Replaced(node, [child for child in children if child is not None])
         first, *others = numbers
@@ -174,7 +192,7 @@ class _Translation:
         return function
 
 
-def _Parts(node):
+def Parts(node):
     """(name of the class, children) of a node; ("", []) for the few that NGSolve cannot store, which have no children."""
     try:
         parts = node.data

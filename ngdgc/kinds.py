@@ -22,6 +22,11 @@ def _Numbers(value: Any) -> bool:
         return False
 
 
+def _Array(value: Any) -> bool:
+    """A list is none: -[0.1] is nothing, and 2 * [0.1] another list."""
+    return not isinstance(value, (list, tuple)) and _Numbers(value)
+
+
 def _Matrix(value: Any) -> bool:
     return len(getattr(value, "dims", ())) == 2
 
@@ -38,6 +43,7 @@ def _Evaluated(value: Any) -> bool:
 FUNCTION = _Is("CoefficientFunction"), "give a CoefficientFunction with d components"
 MATRIX = _Matrix, "give a CoefficientFunction with d x d components"
 NUMBERS = _Numbers, "give real numbers, an array such as a ContactSolution has"
+ARRAY = _Array, NUMBERS[1]
 PATH = _Path, "give the name of a file or folder"
 # {parameter: (does a value fit?, what to give)}
 KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
@@ -55,7 +61,8 @@ KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "self": (_Evaluated, "its data are CoefficientFunctions, with values at points of a mesh only: take the law in "
                          "Discretization(...).contact.parts"),
     **dict.fromkeys(("displacement", "u"), FUNCTION), **dict.fromkeys(("stress", "strain"), MATRIX),
-    **dict.fromkeys(("r", "p", "slip", "load", "vector", "traction", "functional", "penetration", "errors", "ratio"), NUMBERS),
+    **dict.fromkeys(("r", "p", "slip", "load", "vector", "traction", "functional", "penetration"), ARRAY),
+    **dict.fromkeys(("errors", "ratio"), NUMBERS),
     **dict.fromkeys(("path", "folder"), PATH)}
 
 

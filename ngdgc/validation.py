@@ -6,6 +6,7 @@ from ngsolve import Mesh
 from .coefficients import ValuesAt, VectorsAt
 from .exceptions import ProblemError
 from .facets import VolumePoints
+from .inside import CheckMaterials
 from .meshchecks import CheckBoundary, CheckElements, CheckSides
 from .quadrature import BoundaryQuadrature
 from .regions import Matching
@@ -51,6 +52,9 @@ def CheckData(problem, mesh, facets):
     """All coefficients are finite, of the right shape and in range at quadrature points."""
     volume = VolumePoints(mesh, CHECK_ORDER)
     problem.material.Check(mesh, volume)
+    for name, value in vars(problem.material).items():
+        for entry in np.ravel(np.array(value, dtype=object)):   # of a matrix, too
+            CheckMaterials(entry, mesh, name)
     if problem.bodyforce is not None:
         VectorsAt(problem.bodyforce, volume, "bodyforce")
     for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt)):

@@ -18,15 +18,15 @@ SKIN = GridFunction(H1(SQUARE, definedon=SQUARE.Boundaries(".*")))
 NOWHERE = GridFunction(H1(SQUARE, definedon=SQUARE.Materials("elsewhere")))
 
 
-def TwoMaterials():
-    """A modulus for one of two materials."""
+def TwoMaterials(Within=lambda modulus: modulus, Material=lambda modulus: HookeMaterial(E=modulus, nu=0.3)):
+    """A modulus for one of two materials, on its own or within an expression."""
     geometry = SplineGeometry()
     geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"], leftdomain=1)
     geometry.AddRectangle((0.3, 0.3), (0.7, 0.7), leftdomain=2, rightdomain=1)
     geometry.SetMaterial(1, "steel")
     geometry.SetMaterial(2, "rubber")
     mesh = Mesh(geometry.GenerateMesh(maxh=0.4))
-    return Disc(mesh=mesh, material=HookeMaterial(E=mesh.MaterialCF({"steel": 2000}), nu=0.3))
+    return Disc(mesh=mesh, material=Material(Within(mesh.MaterialCF({"steel": 2000}))))
 
 
 DATA = [
@@ -59,6 +59,7 @@ DATA = [
      "gap combines functions of the boundary | sums, products and IfPos | write it with"),
     (lambda _: TwoMaterials(),
      "E is 0 in material 'rubber' | MaterialCF has neither value nor default | must be greater than 0"),
+    (lambda _: TwoMaterials(lambda modulus: 1 + modulus), "E has no value on material 'rubber' | or a default | give one"),
     (lambda _: HookeMaterial(E=0, nu=0.3), "E is 0 | greater than 0 | must be"),
     (lambda _: CoulombFriction(-0.1), "coefficient is -0.1 | at least 0 | must be"),
     # Materials.

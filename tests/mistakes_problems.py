@@ -147,6 +147,8 @@ PROBLEMS = [
     (lambda _: Added(lambda u, v: BilinearForm(u.space)), "the form has no integrals | with +=, before it is added | give"),
     (lambda _: Quadratic(), "integral 1 of the form is 'Symbolic Energy' | none of those that can be added | write dx"),
     (lambda _: Added(lambda u, v: BilinearForm(u * v * ds)), "integral 1 of the form is 0 | ds alone | ds(skeleton=True"),
+    (lambda _: Added(lambda u, v: BilinearForm(Parameter(0) * u * v * dx)),
+     "integral 1 of the form is 0 | a Parameter 0 | add it while Parameters are not 0"),
     (lambda _: Added(lambda u, v: BilinearForm((u - u.Other()) * v * ds(skeleton=True))),
      "form has another matrix than it applies | Other() on the boundary | leave Other() out"),
     (lambda _: Added(lambda u, v: BilinearForm((u - u.Other()) * v * dx(skeleton=True)), Disc(Conforming())),

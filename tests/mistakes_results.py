@@ -1,8 +1,9 @@
 """Mistakes with solutions, pictured or compared, as in `mistakes`."""
 
+import numpy as np
 from conftest import Example
 from mistakes import Block, Disc
-from ngsolve import CF, Grad
+from ngsolve import CF, Grad, VoxelCoefficient
 
 from ngdgc import Solve
 from ngdgc.errors import EnergyError, L2Error, StrainError
@@ -25,6 +26,8 @@ RESULTS = [
     (lambda _: Solve(Disc()).At(9, 9), "point (9.0, 9.0) lies in no element | from (0.0, 0.0) to (1.0, 1.0) | give a point of"),
     # Errors against other displacements.
     (lambda _: EnergyError(solution := Solve(Disc()), Grad(solution.gfu)[0, :]),
+     "the displacement has no symbolic derivative | an expression of x, y, z and GridFunctions | give"),
+    (lambda _: EnergyError(Solve(Disc()), (VoxelCoefficient((0, 0), (1, 1), np.eye(2)), 0)),
      "the displacement has no symbolic derivative | an expression of x, y, z and GridFunctions | give"),
     (lambda _: L2Error(solution := Solve(Disc()), solution),
      "displacement is a ContactSolution | a CoefficientFunction | that of a solution is solution.gfu"),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from conftest import ExitCode
 
-from ngdgc import ProblemError, calls, lemmas
+from ngdgc import ProblemError, SlipWeakeningFriction, calls, lemmas
 from ngdgc.attack import ENDS, Attack, Attempt, Call, Record, Tally
 from ngdgc.equations import LinearEquations
 from ngdgc.kinds import KINDS, Mistaken
@@ -84,6 +84,30 @@ def test_the_command_leaves_records_and_a_tally(tmp_path, capsys):
     assert [json.loads(line)["number"] for line in lines] == [10, 11, 12, 13]
     assert "attack, seed 3, calls 10 to 13" in capsys.readouterr().out
     assert "faults: 0" in (tmp_path / "attack.txt").read_text()
+
+
+@pytest.mark.parametrize("solutions, faults, code", [(3, 0, 0), (2, 0, 1), (3, 1, 1), (9, 1, 1)])
+def test_the_exit_code_counts_faults_and_solutions(solutions, faults, code, tmp_path, monkeypatch, capsys):
+    """Of ten calls three must be solved, and none may be a fault."""
+    outcomes = ["solution"] * solutions + ["TypeError"] * faults + ["problem"] * (10 - solutions - faults)
+    records = [Record(number, "name", "words", outcome) for number, outcome in enumerate(outcomes)]
+    monkeypatch.setattr("ngdgc.attack.Attack", lambda *_, **__: records)
+    assert ExitCode(f"attack --count 10 --out {tmp_path}") == code
+    assert f"faults: {faults}" in capsys.readouterr().out
+
+
+def test_numbers_of_calls_begin_at_0(capsys):
+    assert ExitCode("attack --count 1 --first -1") == 2
+    assert "'-1' is not a nonnegative integer" in capsys.readouterr().err
+
+
+def test_lists_are_no_arrays_of_points():
+    """-[0.1] is nothing and 2 * [0.1] another list: a law says so, and takes arrays and numbers."""
+    law = SlipWeakeningFriction(0.5, 0.3, 0.01)
+    for slip in ((), [0.1]):
+        with pytest.raises(ProblemError, match="slip is .*; give real numbers, an array"):
+            law.Coefficient(slip)
+    assert law.Coefficient(np.zeros(1))[0] == law.Coefficient(0)[0] == 0.5
 
 
 def test_kinds_are_looked_at_only_after_a_failure():

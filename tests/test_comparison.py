@@ -29,6 +29,8 @@ def test_comparison_has_every_method_on_common_scales(lifting, varying, solid):
     assert [axes.get_title() for axes in bodies] == ["IP", "H1"]
     assert np.allclose(friction.lines[0].get_ydata(), -1)           # it acts against the slip to the right
     assert len(ComparisonFigure({"first": varying}).axes) == 5
+    orders = ComparisonFigure({1: lifting, 2: other})      # numbers are labels, too
+    assert [axes.get_title() for axes in orders.axes[2:]] == ["1", "2"]
     coarse = Pressed(solid.disc.problem.foundation, BoxMesh(2), (0.05, 0.02, -0.04), method=Conforming())
     maps = [axes.collections[0] for axes in ComparisonFigure({"LDG": solid, "H1": coarse}).axes[:2]]
     top = max(solid.pressure.max(), coarse.pressure.max())

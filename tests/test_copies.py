@@ -18,7 +18,8 @@ COPIES = [copy.copy, copy.deepcopy, lambda thing: pickle.loads(pickle.dumps(thin
 
 def Problem():
     foundation = Foundation("bottom", NormalCompliance(300 * (1 + x)), friction=CoulombFriction(0.3), gap=0.01 * Parameter(2))
-    return ContactProblem(HookeMaterial(E=2000, nu=0.3), foundation, dirichlet={"top": CF((0.05, -0.1))})
+    return ContactProblem(HookeMaterial(E=2000, nu=0.3), foundation, dirichlet={"top": CF((0.05, -0.1))},
+                          roller={"left": 0}, traction={"right": (0, -10 * x)}, bodyforce=(3, 0))
 
 
 def Study(maxiter):

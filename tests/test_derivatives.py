@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from conftest import Example
-from ngsolve import CF, H1, GridFunction, IfPos, InnerProduct, Integrate, Norm, NumberSpace, VectorH1, VectorL2, exp, x, y, z
+from ngsolve import (CF, H1, BoundaryFromVolumeCF, BSpline, CacheCF, GridFunction, IfPos, InnerProduct, Integrate, Norm,
+                     NumberSpace, Parameter, VectorH1, VectorL2, VoxelCoefficient, exp, x, y, z)
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, Solve)
+                   NormalCompliance, ProblemError, Solve)
 from ngdgc.derivatives import Derivative
 from ngdgc.errors import EnergyError, L2Error, StrainError
 from ngdgc.exact import BodyForce
@@ -41,6 +42,28 @@ def test_derivatives_follow_gridfunctions(dim):
             assert np.array(Derivative(function, axis)(mesh(*at))) == pytest.approx(quotient, abs=1e-9)
             plain = np.array(function.Diff((x, y, z)[axis])(mesh(*at)))
             assert axis == 2 or np.abs(plain - quotient).max() > 1e-4
+
+
+VOXELS = VoxelCoefficient((0, 0), (1, 1), np.array([[0.0, 1], [0, 1]]))     # x
+
+
+@pytest.mark.parametrize("function", [VOXELS, y * VOXELS, CF(x).real], ids=["voxels", "product", "real"])
+def test_what_would_count_as_constant_is_refused(function):
+    """NGSolve's Diff gives 0 where the function grows with x."""
+    mesh = RectangleMesh(2)
+    assert function(mesh(0.7, 0.5)) > function(mesh(0.2, 0.5)) and function.Diff(x)(mesh(0.3, 0.5)) == 0
+    with pytest.raises(ProblemError, match="the function has no symbolic derivative"):
+        Derivative(function, 0)
+
+
+def test_a_gridfunction_out_of_sight_is_not_taken_for_constant():
+    mesh = RectangleMesh(2)
+    for Hidden in (CacheCF, BoundaryFromVolumeCF):
+        with pytest.raises(ProblemError, match="no symbolic derivative"):
+            Derivative(Hidden(Interpolant(H1(mesh, order=1), x)), 0)
+    for function in (Parameter(2) * x, BSpline(2, [0, 0, 1, 1], [0, 2])(x), mesh.MaterialCF({".*": 2 * x}), CF(2) * x + CF(0),
+                     (2 * x).Compile(), Norm(CF((2 * x, 0)))):
+        assert Derivative(function, 0)(mesh(0.3, 0.6)) == pytest.approx(2, rel=1e-12)    # control: what is known
 
 
 def Pressed(method, mesh, order):

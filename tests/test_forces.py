@@ -177,3 +177,18 @@ def test_reactions_balance_on_curved_bodies(order):
     space, disc = Discontinuous(solution.disc.space), solution.disc
     linear = Coefficients(InnerProduct(solution.stress, Sym(Grad(space.TestFunction()))) * disc.form.volume)
     assert np.abs(linear - _Elastic(solution, space)).max() > 1e-6 * solution.normalforce
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("method", SEVERAL, **NAMES)
+def test_the_displacement_at_a_point(dim, method):
+    """Of an affine solution, with coordinates that all differ: in another order, or without the last, it is another one."""
+    exact, point = AffinePatch("slip", dim=dim), (0.2, 0.7, 0.45)[:dim]
+    mesh = RectangleMesh(2) if dim == 2 else BoxMesh(1)
+    solution = Solve(Discretization(exact.problem, method, mesh, order=1))
+    # A relative error of 1e-8 is what the solver's stopping rule leaves.
+    expected = np.array(exact.displacement(mesh(*point)))
+    assert solution.At(*point) == pytest.approx(expected, abs=1e-8)
+    assert solution.At(*map(np.float32, point)) == pytest.approx(expected, abs=1e-6)
+    for wrong in (point[::-1], (*point[:-1], 0)):
+        assert np.abs(solution.At(*wrong) - expected).max() > 1e-4

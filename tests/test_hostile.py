@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 from conftest import Residual
+from mistakes_data import TwoMaterials
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, H1, L2, BilinearForm, GridFunction, LinearForm, Mesh, dx, sqrt, x
+from ngsolve import CF, H1, L2, BilinearForm, GridFunction, IfPos, LinearForm, Mesh, dx, sqrt, x
 
-from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NestedNewtonSolver, NormalCompliance, NotConvergedError, ProblemError, Solve, TrescaFriction)
+from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
+                   HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, NotConvergedError, ProblemError, Solve,
+                   TrescaFriction)
 from ngdgc.meshes import RectangleMesh
 
 PRESSED = {"dirichlet": {"top": CF((1e-3, -0.05))}}
@@ -100,6 +102,19 @@ def test_added_forms_may_hold_the_body(method):
 def test_values_that_are_not_finite_are_named(foundation, data, culprit):
     with pytest.raises(ProblemError, match=culprit):
         Solve(Disc(foundation, mesh=RectangleMesh(4), **data))
+
+
+@pytest.mark.parametrize("Material", [lambda E: HookeMaterial(E=E, nu=0.3), lambda E: HookeMaterial(mu=E, lam=1000),
+                                      lambda E: AnisotropicMaterial([[3 * E, 0, 0], [0, 3 * E, 0], [0, 0, E]])])
+@pytest.mark.parametrize("Within", [lambda E: 1 + E, lambda E: (x + E).Compile(), lambda E: IfPos(E, E, 3),
+                                    lambda E: CF((E, x))[0] + 2], ids=["sum", "compiled", "chosen", "component"])
+def test_a_material_that_is_missing_within_an_expression(Within, Material):
+    """Its values are in range, and nobody meant them; with a default it is accepted."""
+    mesh = TwoMaterials(Material=lambda _: HookeMaterial(E=2000, nu=0.3)).mesh
+    whole, part = mesh.MaterialCF({"steel": 2000.0}, default=7), mesh.MaterialCF({"steel": 2000.0})
+    assert Disc(mesh=mesh, material=Material(Within(whole))).mesh is mesh
+    with pytest.raises(ProblemError, match=r"(E|mu|voigt) has no value on material 'rubber'; give one, or a default"):
+        Disc(mesh=mesh, material=Material(Within(part)))
 
 
 @pytest.mark.parametrize("coefficient", [1.0, 5.0])

@@ -34,6 +34,7 @@ def ComparisonFigure(solutions, *, scale=1):
     if not isinstance(solutions, dict) or not solutions:
         raise ProblemError(f"solutions is {solutions!r}; give a dictionary of ContactSolutions by their labels, "
                            'such as {"IP": first, "H1": second}')
+    solutions = {str(label): solution for label, solution in solutions.items()}     # orders, say
     first = next(iter(solutions.values()))
     for label, solution in solutions.items():
         CheckSolution(solution, f"solution {label!r}")

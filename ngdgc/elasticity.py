@@ -15,7 +15,7 @@ from .coefficients import CheckNumber, CheckRange, IsNumber, Scalar, ValuesAt
 from .exceptions import ProblemError
 from .formula import Described
 from .protocols import Array, Datum
-from .values import Among
+from .values import Among, Number
 
 
 def Strain(u: Any) -> Any:
@@ -98,6 +98,9 @@ class HookeMaterial:
             raise ProblemError(f"HookeMaterial got {sorted(given) or 'nothing'}; give E and nu, or mu and lam")
         if self.plane == "stress":
             lam = 2 * lam * mu / (lam + 2 * mu)
+        for name in ("E", "nu"):
+            if IsNumber(value := getattr(self, name)):
+                object.__setattr__(self, name, Number(value))
         object.__setattr__(self, "mu", mu)
         object.__setattr__(self, "lam", lam)
 

@@ -75,7 +75,8 @@ def Vectors(value, shape, name, remedy):
 def Reals(value, shape):
     """Real finite numbers as an array of this shape, or None for what is not."""
     try:
-        array = np.asarray(value)
+        # Entries of tuples are looked at one by one: among numbers numpy makes numbers of truth values.
+        array = np.asarray(value, dtype=object if isinstance(value, (tuple, list)) else None)
     except ValueError:      # rows of different lengths
         return None
     if array.dtype.kind == "O":     # fractions, decimals, or no numbers

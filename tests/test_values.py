@@ -16,7 +16,7 @@ from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, 
 from ngdgc.errors import L2Error
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh
-from ngdgc.values import HIGHEST, Integer, IsNumber, Number, Positive, Vectors
+from ngdgc.values import HIGHEST, Integer, IsNumber, Number, Positive, Reals, Vectors
 
 NUMBERS = [Fraction, Decimal, np.float64, np.float32, np.int64, np.array]
 
@@ -158,3 +158,25 @@ def test_the_highest_order_in_space_is_exact(method, cells):
     assert L2Error(solution, 1.001 * exact.displacement) > 1e-5
     with pytest.raises(ProblemError, match=f"order is {most + 1}; .* in 3D at most {most}"):
         Discretization(exact.problem, method, BoxMesh(1, cells=cells), order=most + 1)
+
+
+@pytest.mark.parametrize("kind", NUMBERS)
+def test_what_is_kept_of_a_number_is_a_number(kind):
+    """Shown as it is, and of its own: an array that is changed later changes no material."""
+    given = kind(2)
+    material = HookeMaterial(E=given, nu=kind(0))
+    assert repr(material) == "HookeMaterial(E=2.0, nu=0.0, plane='strain')" and type(material.E) is type(material.nu) is float
+    if kind is np.array:
+        given[()] = 5
+        assert material.E == 2 and material.mu == 1
+    assert repr(HookeMaterial(E=2, nu=0)) == "HookeMaterial(E=2, nu=0, plane='strain')"      # control: Python's stay
+
+
+def test_truth_values_are_no_coordinates():
+    """Among numbers numpy takes them for 1 and 0."""
+    for corner in ((True, 2), [1.5, np.True_], (1, "2")):
+        with pytest.raises(ProblemError, match="upper is .*give two corners"):
+            RectangleMesh(1, upper=corner)
+        assert Reals(corner, (2,)) is None
+    assert np.array_equal(Reals((np.array(1), Fraction(1, 2)), (2,)), [1, 0.5])      # control
+    assert np.array_equal(Reals([[1, 2], np.arange(2)], (2, 2)), [[1, 2], [0, 1]]) and Reals([[1, 2], [3]], (2, 2)) is None

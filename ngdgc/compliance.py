@@ -64,6 +64,8 @@ class Compliance:
         if most is not None:
             goal = min(goal, most * np.linalg.norm(disc.load))
         vector = disc.Iterate(self._inverse, load, tol=goal / (np.linalg.norm(load) or 1), start=vector)
+        if self._deflation:
+            vector = self._deflation.Balance(vector, load)
         return self._Equilibrium(vector, displacement, traction, 1.0)
 
     def _Equilibrium(self, vector, displacement, traction, load):

@@ -13,6 +13,7 @@ from ngsolve import CF, GridFunction
 
 from .facets import Coordinates, Csr, Free, RigidMotionsAt
 
+NEARLY = 1e-10      # forces out of balance, relative, in the norm of the energy of rigid motions
 NULL = 1e-11        # A R in units of what its terms are, that is round-off
 
 
@@ -67,9 +68,30 @@ class Deflation:
     def _Amplitudes(self, forces):
         return self.flexible @ (self.flexible.T @ forces)
 
+    def _Forces(self, vector):
+        """R' K x (m,), without the round-off of A R."""
+        return np.einsum("mnd,nd,n->m", self.pulls, self.contact.Displacement(vector), self.contact.weights)
+
     def Solve(self, Inverse, load):
         """x (ndof,) of a load b (ndof,)."""
         c = self._Amplitudes(self.motions @ load)
         rest = Inverse(load - self.contact.Load(np.einsum("m,mnd->nd", c, self.pulls)))
-        forces = np.einsum("mnd,nd,n->m", self.pulls, self.contact.Displacement(rest), self.contact.weights)
-        return rest + (c - self._Amplitudes(forces)) @ self.motions
+        return rest + (c - self._Amplitudes(self._Forces(rest))) @ self.motions
+
+    def Balance(self, vector, load):
+        """x (ndof,) of an iteration for a load b (ndof,), with R' K x = R' b; as it is if that holds nearly.
+
+        To add a motion that is not needed would only add its round-off.
+        """
+        forces, wanted = self._Forces(vector), self.motions @ load
+        missing, whole = (np.linalg.solve(self.triangle.T, part) for part in (wanted - forces, wanted))
+        if np.linalg.norm(missing) <= NEARLY * np.linalg.norm(whole):
+            return vector
+        return vector + np.linalg.solve(self.triangle, missing) @ self.motions
+
+
+def WithResultants(motions, residual, load):
+    """A residual b - A u (ndof,) with the rigid motions' forces of b: those of A u are zero, and computed its round-off."""
+    triangle = np.linalg.qr(motions.T, mode="r")
+    excess = motions @ (load - residual)
+    return residual + np.linalg.solve(triangle, np.linalg.solve(triangle.T, excess)) @ motions

@@ -14,6 +14,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import lsqr
 from ngsolve import L2
 
 from .cycles import Corners
@@ -22,7 +23,10 @@ from .facets import Native, Threads
 from .inverses import Direct, Factorised
 from .iterative import DirectMemory
 from .memory import CheckMemory
+from .motions import WithResultants
 from .preconditioner import PartlyContinuous
+
+EXACT = 1e-15       # relative residual of functions that are in X_h
 
 
 class Subspace(LinearEquations):
@@ -37,7 +41,6 @@ class Subspace(LinearEquations):
     """
 
     prescribed = 0.0
-    motions = ()
 
     def __init__(self, disc):
         super().__init__()
@@ -55,7 +58,15 @@ class Subspace(LinearEquations):
     def Move(self, vector):
         """Make the coefficients (ndof,) of a displacement in V_h the u_0 that is to be corrected."""
         self.vector, self.shift = vector, self.disc.contact.Displacement(vector)
-        self.load = self._restriction @ (self.disc.load - self.disc.Multiply(vector))
+        residual = self.disc.load - self.disc.Multiply(vector)
+        if self.disc.unresisted and len(self.disc.motions):
+            residual = WithResultants(self.disc.motions, residual, self.disc.load)
+        self.load = self._restriction @ residual
+
+    @cached_property
+    def motions(self):
+        """Coefficients (m, unknowns) of the rigid motions that A does not resist: all of them are in X_h."""
+        return np.array([lsqr(self.prolongation, motion, atol=EXACT, btol=EXACT)[0] for motion in self.disc.motions])
 
     def Whole(self, vector):
         """The coefficients of u_0 + P x in V_h, from x."""

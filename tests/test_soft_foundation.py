@@ -65,12 +65,21 @@ def test_slip_counts_on_any_foundation(monkeypatch):
         assert max(Steps(k) for k in (5e-4, 5e-5)) <= 12
 
 
-def Slab(k):
+def Slab(k, inverse="auto"):
     """A plate 300 x 300 x 20 on a foundation with friction, loaded on one half, so that part of it lifts off."""
     foundation = Foundation("bottom", NormalCompliance(k), friction=CoulombFriction(0.3))
     problem = ContactProblem(HookeMaterial(E=2.1e5, nu=0.3), foundation, traction={"top": CF((0, 0, IfPos(x - 150, -1, 0)))})
     mesh = MakeStructured3DMesh(nx=4, ny=4, nz=1, mapping=lambda s, t, u: (300 * s, 300 * t, 20 * u))
-    return Discretization(problem, InteriorPenalty(), mesh, order=1)
+    return Discretization(problem, InteriorPenalty(), mesh, order=1, inverse=inverse)
+
+
+def test_forces_balance_where_the_inverse_is_an_iteration(monkeypatch):
+    """To 1e-11; where motions are not known to be rigid, to the round-off of A times a displacement of 1e5 only, 3e-8."""
+    for k in (0.05, 5e-6):
+        assert SemismoothNewtonSolver().Solve(Slab(k, "iterative")).normalforce == pytest.approx(45000, rel=2e-10)
+    monkeypatch.setattr(Discretization, "motions", ())
+    with pytest.raises((AssertionError, NotConvergedError)):
+        assert SemismoothNewtonSolver().Solve(Slab(5e-6, "iterative")).normalforce == pytest.approx(45000, rel=2e-9)
 
 
 def test_footing_in_3d_costs_the_same(monkeypatch):

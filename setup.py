@@ -1,14 +1,14 @@
 import re
-import shutil
 from fnmatch import fnmatch
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from setuptools import setup
+from setuptools import find_packages, setup
 from setuptools.command.sdist import sdist
 
 ROOT = Path(__file__).parent
-# setuptools installs whatever an earlier build left here, also modules that have moved since.
-shutil.rmtree(ROOT / "build", ignore_errors=True)
+# setuptools installs whatever an earlier build left in its folder, also modules that have moved since: each build has its own.
+BUILD = TemporaryDirectory()
 
 # Runs the notebooks of docs/notebooks without a browser.
 NOTEBOOK = ["ipykernel", "ipywidgets", "nbclient"]
@@ -42,8 +42,9 @@ setup(
                  "Typing :: Typed"],
     python_requires=">=3.10",
     cmdclass={"sdist": SourceArchive},
+    options={"build": {"build_base": BUILD.name}},
     # The cases are files to read and run in the repository, and a package so that the installed command finds them anywhere.
-    packages=["ngdgc", "ngdgc.solvers", "ngdgc.plots", "ngdgc.exercises", "ngdgc.cases"],
+    packages=[*find_packages(include=["ngdgc", "ngdgc.*"]), "ngdgc.cases"],
     package_dir={"ngdgc.cases": "cases"},
     package_data={"ngdgc": ["py.typed"], "ngdgc.cases": ["*.step"]},
     # NGSolve 6.2.2604 is the first that brings its own linear algebra: earlier ones take whichever MKL is newest, and fail.

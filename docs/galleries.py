@@ -69,7 +69,7 @@ def Index(files):
 def WriteCase(path, folder):
     """Solve a case with its own defaults; write its pictures, its scene and its page."""
     from ngdgc import plots
-    from ngdgc.casefiles import LoadCase
+    from ngdgc.commands.casefiles import LoadCase
     from ngdgc.export import WriteHTML
 
     case = LoadCase(path)
@@ -107,7 +107,7 @@ def WriteCase(path, folder):
 
 def Scale(solution):
     """1, or where displacements are too small to be seen the number 1, 2 or 5 times a power of ten that shows them."""
-    from ngdgc.facets import Coordinates, VolumePoints
+    from ngdgc.mesh.facets import Coordinates, VolumePoints
 
     mesh = solution.disc.mesh
     points = VolumePoints(mesh, 2)

@@ -8,11 +8,13 @@ from itertools import product
 from pathlib import Path
 
 from ngdgc import (Conforming, Discretization, EstimateContraction, InteriorPenalty, NormalCompliance, NotConvergedError,
-                   UzawaSolver, atlas, atlaspage, convergence, locking, stabilitystudy, table3)
+                   UzawaSolver)
+from ngdgc.studies import convergence, locking, stability as stabilitystudy, table3
+from ngdgc.studies.atlas import solvers as atlas, page as atlaspage
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.exact import SmoothSlip
 from ngdgc.plots import ContactFigure, ConvergenceFigure, DeformedFigure, LockingFigure, SettingFigure
-from ngdgc.variants import Variants
+from ngdgc.methods.variants import Variants
 
 DOCS = Path(__file__).parent
 EXAMPLES = {"4.1": (example_4_1, (0, 0.05)), "4.2": (example_4_2, (0, 0))}

@@ -3,20 +3,19 @@
 from ngsolve import Solve
 
 from .discretization import Discretization
-from .elasticity import AnisotropicMaterial, HookeMaterial
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from .foundation import Foundation
-from .hypotheses import CheckLaws
-from .laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance,
-                   PowerFriction, SlipWeakeningFriction, TrescaFriction)
-from .lifting import Lifting
-from .methods import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInteriorPenalty, InteriorPenalty,
-                      NonsymmetricInteriorPenalty)
-from .problem import ContactProblem
-from .solution import ContactSolution
-from .solvers import (Contraction, EstimateContraction, MultiStart, NestedNewtonSolver, SemismoothNewtonSolver,
-                      UzawaSolver)
-from .uniqueness import CheckUniqueness
+from .methods.lifting import Lifting
+from .methods.rows import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInteriorPenalty, InteriorPenalty,
+                           NonsymmetricInteriorPenalty)
+from .problem.foundation import Foundation
+from .problem.hypotheses import CheckLaws
+from .problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction, SlipWeakeningFriction,
+                           TrescaFriction)
+from .problem.materials import AnisotropicMaterial, HookeMaterial
+from .problem.problem import ContactProblem
+from .solution.solution import ContactSolution
+from .solvers import Contraction, EstimateContraction, MultiStart, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
+from .theory.uniqueness import CheckUniqueness
 
 __version__ = "0.1.0"
 

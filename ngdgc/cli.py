@@ -7,17 +7,17 @@ from contextlib import nullcontext
 from pathlib import Path
 
 from . import __version__
-from .arguments import Finite, NumberOrAuto, Positive
-from .attackcommand import AddAttack
-from .benchcommands import AddBench
-from .casefiles import CaseFiles, Compared, LoadCase
-from .comparecommand import AddCompare
-from .console import Console
+from .commands.arguments import Finite, NumberOrAuto, Positive
+from .commands.attack import AddAttack
+from .commands.bench import AddBench
+from .commands.casefiles import CaseFiles, Compared, LoadCase
+from .commands.compare import AddCompare
+from .commands.console import Console
+from .commands.files import Files
+from .commands.signals import SIGNALS
+from .commands.studies import AddStudies, Show
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from .files import Files
-from .names import Known, Meant
-from .signals import SIGNALS
-from .studies import AddStudies, Show
+from .tools.names import Known, Meant
 
 EPILOG = """examples:
   ngdgc cases                                                  list the cases
@@ -149,7 +149,7 @@ def ListCases(options):
 
 def Run(options):
     """Solve the case and write everything about it, also the last iterate of a solve that was stopped or failed."""
-    from .output import DrawResults, Progress, SaveResults
+    from .commands.output import DrawResults, Progress, SaveResults
 
     case = LoadCase(options.case)
     arguments = _CaseArguments(case, options)
@@ -175,7 +175,7 @@ def Run(options):
 
 def _Solved(case, name, arguments):
     """(solution, exit code, message) of a case; the solution is None if it was stopped before there was one."""
-    from .solution import ContactSolution
+    from .solution.solution import ContactSolution
 
     try:
         inspect.signature(case.Main).bind(**arguments)
@@ -198,7 +198,7 @@ def _Solved(case, name, arguments):
 
 def Stability(options):
     """Print what the lemmas say about a case, as far as it was computed also after Ctrl-C."""
-    from .stabilitystudy import Study, Table, Text
+    from .studies.stability import Study, Table, Text
 
     case = LoadCase(options.case)
     if not (callable(getattr(case, "Problem", None)) and callable(getattr(case, "Mesh", None))):
@@ -216,7 +216,7 @@ def Stability(options):
 
 def _CaseArguments(case, options):
     """Keyword arguments for the case's Main; an option that the case does not know is an error."""
-    from .methods import METHODS
+    from .methods.rows import METHODS
 
     chosen = Known(options.method, METHODS, what="method")
     row = METHODS[chosen]

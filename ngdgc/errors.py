@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from ngsolve import InnerProduct, Integrate
 
-from .calls import ByKeyword
-from .coefficients import Vector
+from .contracts import Array, Coefficient
+from .data.coefficients import Vector
 from .exact import ExactStrain
 from .exceptions import ProblemError
-from .protocols import Array, Coefficient
-from .solution import CheckSolution, ContactSolution
+from .solution.solution import CheckSolution, ContactSolution
+from .tools.calls import ByKeyword
 
 EXTRA = 6       # quadrature degree beyond 2 k: smooth exact solutions are integrated to round-off on unit-size problems
 

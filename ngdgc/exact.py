@@ -14,15 +14,15 @@ from typing import Any
 import numpy as np
 from ngsolve import CF, Sym, exp, specialcf, x, y, z
 
-from .calls import ByKeyword
-from .derivatives import Derivative
-from .elasticity import HookeMaterial
+from .contact.graph import SEPARATION, SLIP, STICK
+from .data.derivatives import Derivative
 from .exceptions import ProblemError
-from .foundation import Foundation
-from .graph import SEPARATION, SLIP, STICK
-from .laws import CoulombFriction, FrictionLaw, NormalCompliance, TrescaFriction
-from .problem import ContactProblem
-from .values import Among, Finite, Positive
+from .problem.foundation import Foundation
+from .problem.laws import CoulombFriction, FrictionLaw, NormalCompliance, TrescaFriction
+from .problem.materials import HookeMaterial
+from .problem.problem import ContactProblem
+from .tools.calls import ByKeyword
+from .tools.values import Among, Finite, Positive
 
 WALLS = {2: "left|right", 3: "back|left|front|right"}      # all but bottom and top
 OBLIQUE = 0.6, 0.8      # direction of the tangential displacement on Gamma_C in 3D: no axis, no diagonal of a mesh
@@ -33,7 +33,7 @@ OBLIQUE = 0.6, 0.8      # direction of the tangential displacement on Gamma_C in
 class Exact:
     """A problem, its exact displacement (CoefficientFunction, d components) [length], and its zones.
 
-    `zones` maps points of Gamma_C (n, d) to SEPARATION, STICK or SLIP of `ngdgc.graph`, (n,), to be compared with
+    `zones` maps points of Gamma_C (n, d) to SEPARATION, STICK or SLIP of `ngdgc.contact.graph`, (n,), to be compared with
     `ContactSolution.zones`.
     """
 

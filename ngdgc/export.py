@@ -8,13 +8,13 @@ from matplotlib import colormaps
 from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, sqrt
 from ngsolve.webgui import Draw
 
-from .calls import ByKeyword
-from .elasticity import HookeMaterial
 from .exceptions import ProblemError
-from .facets import Coordinates, VolumePoints
-from .solution import CheckSolution
-from .values import Finite
-from .vtkfiles import VERTEX, ElementGrid, WriteUnstructured
+from .mesh.facets import Coordinates, VolumePoints
+from .problem.materials import HookeMaterial
+from .solution.solution import CheckSolution
+from .solution.vtkfiles import VERTEX, ElementGrid, WriteUnstructured
+from .tools.calls import ByKeyword
+from .tools.values import Finite
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
 COLOURS = colormaps["viridis"](np.linspace(0, 1, 12))[:, :3].tolist()    # NGSolve's own rainbow is not colour-blind safe
@@ -213,8 +213,8 @@ def WriteContactVTK(solution, path):
     """Write a VTK file (.vtu) of the contact points, with what `ContactSolution` has there.
 
     Fields at the points: `pressure`, `friction` (3 components), `bound` [stress]; `penetration`, `slip`, `gap`,
-    `displacement` [length]; `zones`, as numbered in `ngdgc.graph.ZONES`; `normals`; `weights` [length^(d-1)].  `path` with or
-    without its suffix; returns the Path of the file.
+    `displacement` [length]; `zones`, as numbered in `ngdgc.contact.graph.ZONES`; `normals`; `weights` [length^(d-1)].  `path`
+    with or without its suffix; returns the Path of the file.
     """
     CheckSolution(solution)
     names = ("pressure", "friction", "bound", "penetration", "slip", "displacement", "zones", "normals", "weights")

@@ -9,12 +9,12 @@ from netgen.occ import OCCGeometry
 from ngsolve import Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
-from .calls import ByKeyword
 from .exceptions import ProblemError
-from .memory import CheckCells
-from .meshchecks import CheckElements
-from .names import Meant
-from .values import HIGHEST, Integer, Positive, Reals
+from .mesh.checks import CheckElements
+from .tools.calls import ByKeyword
+from .tools.memory import CheckCells
+from .tools.names import Meant
+from .tools.values import HIGHEST, Integer, Positive, Reals
 
 CELLS = ("triangle", "triangle-flipped", "quad")
 BOXCELLS = ("tet", "hex", "prism")

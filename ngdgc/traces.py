@@ -15,21 +15,20 @@ from typing import Any
 import numpy as np
 from ngsolve import CF, IfPos, x, y, z
 
-from .calls import ByKeyword
-from .coefficients import Scalar, ValuesAt
-from .derivatives import Derivative
-from .elasticity import HookeMaterial
+from .contact.graph import SEPARATION, SLIP, STICK
+from .contracts import Datum
+from .data.coefficients import Scalar, ValuesAt
+from .data.derivatives import Derivative
 from .exact import WALLS, BodyForce, CheckDimension, Exact, Recipe
 from .exceptions import ProblemError
-from .foundation import Foundation
-from .graph import SEPARATION, SLIP, STICK
-from .hypotheses import SlipFactor
-from .laws import CoulombFriction, LawAt, NormalCompliance
 from .meshes import RectangleMesh
-from .problem import ContactProblem
-from .protocols import Datum
-from .values import Finite, Integer, Vectors
-from .values import Positive as PositiveNumber
+from .problem.foundation import Foundation
+from .problem.hypotheses import SlipFactor
+from .problem.laws import CoulombFriction, LawAt, NormalCompliance
+from .problem.materials import HookeMaterial
+from .problem.problem import ContactProblem
+from .tools.calls import ByKeyword
+from .tools.values import Finite, Integer, Vectors, Positive as PositiveNumber
 
 SAMPLES = 2001      # points of (0,1) at which traces are held against the law
 ROUNDOFF = 1e-9     # of values that a user's formula and a user's law compute in two ways

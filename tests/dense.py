@@ -13,8 +13,8 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import splu
 
 from ngdgc import ContactSolution
-from ngdgc.facets import Csr
-from ngdgc.graph import ContactGraph
+from ngdgc.mesh.facets import Csr
+from ngdgc.contact.graph import ContactGraph
 
 MAXITER = 80
 

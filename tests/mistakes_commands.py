@@ -3,7 +3,8 @@
 from pathlib import Path
 from unittest.mock import patch
 
-from ngdgc import atlas, cli
+from ngdgc import cli
+from ngdgc.studies.atlas import solvers as atlas
 from ngdgc.cases import example_4_1
 
 EXAMPLE = Path(example_4_1.__file__).read_text(encoding="utf-8")
@@ -40,8 +41,9 @@ def NoAtlas(folder):
     def Study(sweeps, **options):
         yield "a row that no file takes"
 
-    with patch.object(atlas, "Study", Study), patch("ngdgc.atlaspage.Table.Add", side_effect=OSError(28, "No space left")), \
-            patch("ngdgc.studies.Write"), patch("ngdgc.atlaspage.Text"):
+    full = OSError(28, "No space left")
+    with patch.object(atlas, "Study", Study), patch("ngdgc.studies.atlas.page.Table.Add", side_effect=full), \
+            patch("ngdgc.commands.studies.Write"), patch("ngdgc.studies.atlas.page.Text"):
         Typed("atlas --quick --out OUT")(folder)
 
 

@@ -7,11 +7,12 @@ from ngsolve import CF
 
 from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NestedNewtonSolver, NormalCompliance, PowerFriction, SemismoothNewtonSolver, TrescaFriction, UzawaSolver)
-from ngdgc.atlas import Point
+from ngdgc.studies.atlas.solvers import Point
 from ngdgc.meshes import RectangleMesh
-from ngdgc.solvers import correction, driver
-from ngdgc.solvers.contraction import ComplianceNorm
-from ngdgc.solvers.newtonrun import NewtonRun
+from ngdgc.solvers import driver
+from ngdgc.solvers.newton import correction
+from ngdgc.solvers.uzawa.contraction import ComplianceNorm
+from ngdgc.solvers.newton.run import NewtonRun
 
 
 def Disc(problem=None, n=4, *, method=None, order=1):

@@ -5,7 +5,7 @@ from mistakes import SOFT, Disc, Friction, On
 from ngsolve import x
 
 from ngdgc import CheckLaws, ComplianceLaw, Foundation, FrictionLaw, NormalCompliance, Solve, TrescaFriction
-from ngdgc.graph import ContactGraph
+from ngdgc.contact.graph import ContactGraph
 
 
 class Law(ComplianceLaw):

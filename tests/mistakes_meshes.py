@@ -4,9 +4,9 @@ from badmeshes import Body, Doubled, Lost, Periodic, Refined, Straightened
 from mistakes import Disc
 
 from ngdgc import Solve
-from ngdgc.facets import Facets
-from ngdgc.meshchecks import CheckElements, CheckSkeleton
-from ngdgc.quadrature import BoundaryQuadrature
+from ngdgc.mesh.facets import Facets
+from ngdgc.mesh.checks import CheckElements, CheckSkeleton
+from ngdgc.mesh.quadrature import BoundaryQuadrature
 
 SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
 MESHES = [

@@ -9,10 +9,10 @@ from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parame
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    Lifting, SemismoothNewtonSolver, Solve, UzawaSolver)
-from ngdgc.lemmas import CriticalPenalty
+from ngdgc.theory.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.pattern import BlockMatrix
-from ngdgc.stability import ExtremeEigenvalue
+from ngdgc.blocks.matrix import BlockMatrix
+from ngdgc.methods.coercivity import ExtremeEigenvalue
 
 SPRING = CF((0, -0.1))
 

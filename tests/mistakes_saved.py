@@ -12,7 +12,7 @@ from ngsolve import BilinearForm, GridFunction, Mesh, VectorH1, dx
 from ngdgc import (Conforming, ContactProblem, ContactSolution, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, Solve, TrescaFriction)
 from ngdgc.meshes import RectangleMesh
-from ngdgc.storage import Write
+from ngdgc.solution.storage import Write
 
 
 def Saved(folder):
@@ -92,6 +92,8 @@ def OnCoarser():
 
 
 SAVED = [
+    (lambda folder: Solve(ContactSolution.Load(Saved(folder), Example()).disc),
+     "a solution that was loaded | has no default solver | take NestedNewtonSolver().Solve(solution.disc)"),
     (lambda folder: ContactSolution.Load(folder, Example()),
      "holds no saved solution | ContactSolution.Save has written | give a folder"),
     (lambda folder: ContactSolution.Load(NoMesh(folder), Example()),

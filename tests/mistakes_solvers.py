@@ -11,10 +11,10 @@ from conftest import Example
 from mistakes import Block, Disc, Nonsymmetric
 from ngsolve import BilinearForm, dx
 
-from ngdgc import (Conforming, Discretization, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver,
-                   inverses)
-from ngdgc.facets import Csr, Native
-from ngdgc.iterative import IterativeInverse
+from ngdgc import Conforming, Discretization, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
+from ngdgc.linear import choice as inverses
+from ngdgc.mesh.facets import Csr, Native
+from ngdgc.linear.conjugategradients import IterativeInverse
 from ngdgc.meshes import BoxMesh
 
 

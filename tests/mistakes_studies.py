@@ -8,13 +8,15 @@ from mistakes import HELD, Disc, Friction, Nonsymmetric, On
 from netgen.occ import Circle
 from ngsolve import CF, x, y
 
-from ngdgc import (LDG, AnisotropicMaterial, CheckUniqueness, Conforming, ProblemError, Solve, TrescaFriction, accuracy, atlas,
-                   bench, convergence, locking, meshes)
-from ngdgc.consistency import ConsistencyResidual
+from ngdgc import LDG, AnisotropicMaterial, CheckUniqueness, Conforming, ProblemError, Solve, TrescaFriction, meshes
+from ngdgc.studies import accuracy, convergence, locking
+from ngdgc.studies.atlas import solvers as atlas
+from ngdgc.studies.bench import solutions as bench
+from ngdgc.theory.consistency import ConsistencyResidual
 from ngdgc.exact import AffinePatch, SmoothSlip, WinklerColumn
-from ngdgc.lemmas import CriticalPenalty
+from ngdgc.theory.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh, ShapeMesh
-from ngdgc.sweep import Violation
+from ngdgc.studies.sweep import Violation
 from ngdgc.traces import FromTraces, Positive, RigidLimit, ThreeZones
 
 

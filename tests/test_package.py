@@ -7,6 +7,7 @@ import pkgutil
 import re
 import subprocess
 import sys
+from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -16,38 +17,10 @@ import ngdgc
 ROOT = Path(__file__).parents[1]
 SOURCES = {path.relative_to(ROOT / "ngdgc").with_suffix("").as_posix().replace("/", "."): path
            for path in (ROOT / "ngdgc").rglob("*.py")}
-# Who may import whom: only from lines above.
-LAYERS = [["arguments", "console", "exceptions", "formula", "history", "interfaces", "parallel", "peers", "protocols",
-           "signals", "tables"],
-          ["files", "memory", "names", "report", "values"], ["kinds"], ["calls", "regions", "userlaws"],
-          ["inside"], ["casefiles", "coefficients", "derivatives"],
-          ["hypotheses"], ["elasticity", "laws"], ["foundation"],
-          ["problem", "facets"], ["meshchecks", "state"], ["meshes", "quadrature", "added", "equations"], ["storage"],
-          ["shapes", "pattern", "skeleton", "contact", "motions", "validation", "restraints", "stability"],
-          ["geometry", "skeletonlifting"], ["cells"], ["patches"], ["operators"], ["lifting", "penalty", "facetform"],
-          ["cycles"], ["methods", "solenoidal"],
-          ["preconditioner"], ["iterative"], ["inverses"], ["discretization"], ["graph"],
-          ["fluxes", "tractions", "cuts", "vtkfiles"], ["conformingtractions"],
-          ["forces", "resultants", "compliance", "coarsening", "subspace", "fingerprint"], ["archive"], ["solution"],
-          ["solvers.driver", "solvers.equation", "solvers.holding", "solvers.recycling", "solvers.stiffness"],
-          ["solvers.reduced"],
-          ["solvers.contraction", "solvers.pathfollowing", "solvers.steps"],
-          ["solvers.uzawa", "solvers.newtonrun"], ["solvers.correction"], ["solvers.newton"], ["solvers.multistart"],
-          ["solvers.nested"],
-          ["solvers.__init__"], ["uniqueness"], ["__init__"],
-          ["exact", "export", "plots.curves", "randomproblems",
-           "variants"], ["errors", "plots.canvas", "traces"], ["lemmas"], ["consistency"],
-          ["plots.solid"], ["plots.contact", "plots.deformed", "plots.history", "plots.setting", "plots.studies",
-           "plots.atlas", "plots.sweep", "plots.bench", "plots.law", "plots.zones"], ["plots.comparison"],
-          ["plots.__init__"],
-          ["hostile", "targets"], ["attack"],
-          ["atlas"], ["bench"],
-          ["accuracy", "atlaspage", "benchassembly", "benchpage", "convergence", "grid", "locking", "output",
-           "stabilitystudy", "sweep", "table3"],
-          ["studies"], ["attackcommand", "benchcommands", "comparecommand"], ["cli"], ["exercises.checker"],
-          ["exercises.winkler", "exercises.spaces", "exercises.fluxes", "exercises.liftings", "exercises.iteration",
-           "exercises.newton", "exercises.table", "exercises.rigid", "exercises.locking", "exercises.law"],
-          ["exercises.__init__"]]
+# The house, from the ground: who stands on a line imports only from lines above it, and within a package nobody in a circle.
+STOREYS = ["exceptions", "contracts", "tools", "data", "problem", "mesh", "meshes", "linear", "blocks", "methods", "contact",
+           "discrete", "solution", "solvers", "discretization", "exact", "errors", "traces", "theory", "__init__", "cases",
+           "export", "plots", "studies", "commands", "cli", "exercises"]
 
 
 def test_tests_run_against_the_installed_package():
@@ -63,33 +36,92 @@ def test_tests_run_against_the_installed_package():
         assert installed.read_text() == path.read_text(), f"{name} differs from the installed one: pip install again"
 
 
-def Imports(name):
-    """Modules of ngdgc that a module imports, anywhere in it."""
-    package = name.split(".")[:-1]
-    tree = ast.parse(SOURCES[name].read_text())
-    # What only type checkers read imports nothing.
-    tree.body = [node for node in tree.body if not (isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING")]
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ImportFrom) and node.level:
-            base = package[:len(package) - node.level + 1]
-            if node.module:
-                yield ".".join([*base, *node.module.split(".")])
-            else:
-                yield from (".".join([*base, alias.name]) for alias in node.names if alias.name != "__version__")
+def Imports(name, source):
+    """(line, module) of what a module of this name imports of the package, anywhere in it, also for type checkers alone."""
+    package = ["ngdgc", *name.split(".")[:-1]]
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom):
+            base = package[:len(package) + 1 - node.level] if node.level else []
+            path = ".".join([*base, *(node.module or "").split(".")]).strip(".")
+            for alias in node.names:
+                inner = f"{path}.{alias.name}".removeprefix("ngdgc.")
+                yield node.lineno, inner if Module(inner) else path.removeprefix("ngdgc.") if path != "ngdgc" else "__init__"
+        elif isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name.removeprefix("ngdgc.")) for alias in node.names)
 
 
-def test_imports_point_downwards():
-    rank = {name: number for number, layer in enumerate(LAYERS) for name in layer}
-    assert set(rank) == set(SOURCES)
-    seen = 0
-    for name in SOURCES:
-        for imported in Imports(name):
-            if imported.split(".")[0] == "cases":
-                continue
-            target = imported if imported in rank else f"{imported}.__init__"
-            assert rank[target] < rank[name], f"{name} imports {target}"
-            seen += 1
-    assert seen > 50
+def Module(name):
+    """The name of a module of the package, as in SOURCES, or None."""
+    return next((found for found in (name, f"{name}.__init__") if found in SOURCES), None)
+
+
+def Arrows(sources):
+    """[(module, line, imported module)] inside the package, {name: text}; a case is "cases"."""
+    found = []
+    for name, text in sources.items():
+        for line, imported in Imports(name, text):
+            target = "cases" if imported.split(".")[0] == "cases" else Module(imported)
+            if target:
+                found.append((name, line, target))
+    return found
+
+
+def Upwards(arrows):
+    """Imports of what does not stand in a lower storey, or in the same one."""
+    rank = {storey: number for number, storey in enumerate(STOREYS)}
+    return [f"{name}, line {line}, imports {target}" for name, line, target in arrows
+            if rank[target.split(".")[0]] > rank[name.split(".")[0]]]
+
+
+def Circles(arrows):
+    """Packages or modules that import each other in a circle: in each package, what its parts import of each other."""
+    circles = []
+    for package in {name.rpartition(".")[0] for name, *_ in arrows}:
+        depth = len(package.split(".")) if package else 0
+        graph = {}
+        for name, _, target in arrows:
+            parts = [path.split(".") for path in (name, target)]
+            if all(path[:depth] == (package.split(".") if package else []) and len(path) > depth for path in parts):
+                first, second = (path[depth] for path in parts)
+                if first != second:
+                    graph.setdefault(first, set()).add(second)
+        try:
+            list(TopologicalSorter(graph).static_order())
+        except CycleError as error:
+            circles.append((package, error.args[1]))
+    return circles
+
+
+TEXTS = {name: path.read_text() for name, path in SOURCES.items()}
+
+
+def test_imports_run_downwards_and_in_no_circle():
+    arrows = Arrows(TEXTS)
+    assert len(arrows) > 500
+    assert {name.split(".")[0] for name in SOURCES} | {"cases"} == set(STOREYS)
+    assert Upwards(arrows) == []
+    assert Circles(arrows) == []
+
+
+def test_an_import_upwards_and_a_circle_are_seen():
+    """Also in a function, and for type checkers alone."""
+    lines = ["from ..solvers import UzawaSolver", "def F():\n    from ..solvers.driver import Drive",
+             "if TYPE_CHECKING:\n    from ngdgc.solvers import driver"]
+    for line in lines:
+        assert Upwards(Arrows({**TEXTS, "contact.graph": line})) != []
+    assert Upwards(Arrows({**TEXTS, "contact.graph": "from ..problem.laws import NormalCompliance"})) == []
+    assert Circles(Arrows({**TEXTS, "solvers.driver": "from .nested import NestedNewtonSolver"})) != []
+    assert Circles(Arrows({**TEXTS, "mesh.facets": "from .checks import Sides"})) != []
+
+
+@pytest.mark.parametrize("folder", sorted({path.parent for path in SOURCES.values()} - {ROOT / "ngdgc"}))
+def test_every_folder_says_what_belongs_there(folder):
+    first, _, *rest = ast.get_docstring(ast.parse((folder / "__init__.py").read_text())).splitlines()
+    assert first and [line.split(":")[0] for line in rest[:2]] == ["Here", "Not here"]
+
+
+def test_few_modules_stand_outside_of_the_storeys():
+    assert len(list((ROOT / "ngdgc").glob("*.py"))) <= 14
 
 
 def test_star_import_changes_no_name_of_ngsolve():

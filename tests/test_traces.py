@@ -13,7 +13,7 @@ from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, ComplianceLa
                    SemismoothNewtonSolver, SlipWeakeningFriction, TrescaFriction)
 from ngdgc.errors import L2Error
 from ngdgc.exact import AffinePatch, CubicCompliance, ExactStrain, SmoothSlip, WinklerColumn
-from ngdgc.graph import SEPARATION, SLIP, STICK, Distance
+from ngdgc.contact.graph import SEPARATION, SLIP, STICK, Distance
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.traces import FromTraces, Positive, ThreeZones
 

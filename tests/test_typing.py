@@ -11,7 +11,7 @@ from ngdgc import (BassiEtAl, Conforming, ContactProblem, ContactSolution, Coulo
                    HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, NotConvergedError, TrescaFriction,
                    UzawaSolver)
 from ngdgc.meshes import RectangleMesh
-from ngdgc.history import Step
+from ngdgc.solution.history import Step
 
 
 def Show(step: Step) -> None:

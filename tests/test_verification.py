@@ -11,7 +11,7 @@ from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, Discretization, Estim
                    ProblemError, SemismoothNewtonSolver, TrescaFriction)
 from ngdgc.errors import EnergyError, L2Error, Rates, StrainError
 from ngdgc.exact import AffinePatch, CubicCompliance, ExactStrain, SmoothSlip, WinklerColumn
-from ngdgc.graph import SLIP
+from ngdgc.contact.graph import SLIP
 from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh
 
 ZONE = {"slip": "slip", "stick": "stick", "open": "separation"}

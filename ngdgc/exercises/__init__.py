@@ -1,4 +1,8 @@
-"""Exercises of the notebooks, and the checker that grades answers: Check("01.1", answer)."""
+"""Exercises of the notebooks, and the checker that grades answers: Check("01.1", answer).
+
+Here: exercises, answers and hints, a module for each notebook.
+Not here: the notebooks, which are documentation.
+"""
 
 from ..exceptions import ProblemError
 from . import fluxes, iteration, law, liftings, locking, newton, rigid, spaces, table, winkler

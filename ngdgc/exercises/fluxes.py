@@ -6,13 +6,13 @@ import numpy as np
 from ngsolve import CF, BilinearForm, ds, dx
 
 from ..discretization import Discretization
-from ..elasticity import HookeMaterial
-from ..facets import Csr
-from ..foundation import Foundation
-from ..laws import NormalCompliance
+from ..mesh.facets import Csr
 from ..meshes import RectangleMesh
-from ..methods import LDG, BrezziEtAl, InteriorPenalty, NonsymmetricInteriorPenalty
-from ..problem import ContactProblem
+from ..methods.rows import LDG, BrezziEtAl, InteriorPenalty, NonsymmetricInteriorPenalty
+from ..problem.foundation import Foundation
+from ..problem.laws import NormalCompliance
+from ..problem.materials import HookeMaterial
+from ..problem.problem import ContactProblem
 from .checker import Function, Value
 
 MATERIAL = HookeMaterial(E=2000, nu=0.3)

@@ -6,13 +6,13 @@ import numpy as np
 from ngsolve import CF
 
 from ..discretization import Discretization
-from ..elasticity import HookeMaterial
-from ..facets import Csr
-from ..foundation import Foundation
-from ..laws import NormalCompliance
+from ..mesh.facets import Csr
 from ..meshes import RectangleMesh
-from ..methods import BassiEtAl
-from ..problem import ContactProblem
+from ..methods.rows import BassiEtAl
+from ..problem.foundation import Foundation
+from ..problem.laws import NormalCompliance
+from ..problem.materials import HookeMaterial
+from ..problem.problem import ContactProblem
 from .checker import Choice, Function, Value
 
 FACETS = 3      # of a triangle

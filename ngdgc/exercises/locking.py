@@ -4,8 +4,8 @@ from functools import cache
 
 import numpy as np
 
-from .. import locking
-from ..methods import Conforming
+from ..methods.rows import Conforming
+from ..studies import locking
 from .checker import Choice, Function, Value
 
 

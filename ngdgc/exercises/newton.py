@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..graph import SEPARATION, SLIP, STICK
+from ..contact.graph import SEPARATION, SLIP, STICK
 from .checker import Choice, Function
 
 

@@ -4,9 +4,9 @@ import numpy as np
 from ngsolve import Integrate, ds
 
 from ..cases import example_4_1
-from ..elasticity import HookeMaterial
 from ..errors import Rates
-from ..table3 import PUBLISHED
+from ..problem.materials import HookeMaterial
+from ..studies.table3 import PUBLISHED
 from .checker import Choice, Function, Value
 
 

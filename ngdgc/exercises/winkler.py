@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..elasticity import HookeMaterial
+from ..problem.materials import HookeMaterial
 from .checker import Choice, Function, Value
 
 E, NU, HEIGHT, GAP, STIFFNESS, PRESSURE = 5, 0.45, 40, 0.5, 0.2, 0.3     # of the rubber pad [N, mm]

@@ -1,5 +1,8 @@
 """Figures: of problems and solutions (setting, deformed mesh, contact quantities, history), and of studies.
 
+Here: what draws a problem, a solution or the results of a study, each as a Figure.
+Not here: what is drawn; a figure computes nothing that a script could want.
+
 Every function returns a matplotlib Figure and leaves pyplot and its backends alone: DeformedFigure(solution).savefig("u.png").
 """
 

@@ -5,8 +5,8 @@ import math
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
 
+from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from ..calls import ByKeyword
 
 # Colour, marker and line: Uzawa's explicit iterations dotted, implicit ones dashed, Newton's solid.
 STYLES = {"Uzawa": ("black", "x", ":"), "Uzawa, Anderson": (PURPLE, "+", ":"), "implicit": (SKY, "v", "--"),
@@ -20,7 +20,7 @@ VARIABLES = {"stiffness": "$k_n/E$ [1/length]", "coefficient": "friction coeffic
 def AtlasFigure(panels, variable, quantities):
     """Rows of the atlas against an attribute of their points, double logarithmic.
 
-    panels : {title: list of `atlas.Row`}, one column of pictures each
+    panels : {title: list of `atlas.solvers.Row`}, one column of pictures each
     variable : "stiffness", "coefficient" or "n", which is drawn as h = 1/n
     quantities : of "iterations", "solves" (applications of an inverse on the finest mesh) and "seconds", one line of pictures
         each

@@ -3,8 +3,8 @@
 import numpy as np
 from matplotlib.figure import Figure
 
+from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, ORANGE, VERMILION
-from ..calls import ByKeyword
 
 COLOURS = BLUE, VERMILION, GREEN, ORANGE
 MARKERS = "o", "s", "^", "D"
@@ -14,7 +14,7 @@ MARKERS = "o", "s", "^", "D"
 def GrowthFigure(panels):
     """Total time and that of the reference, factorisation and one solve, against the number of unknowns.
 
-    panels : {title: {label: list of `bench.Cost` of growing size}}
+    panels : {title: {label: list of `bench.solutions.Cost` of growing size}}
     """
     figure = Figure(figsize=(3.6 * len(panels) + 0.4, 4.5), layout="constrained")
     for axes, (title, series) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels.items()):

@@ -4,10 +4,10 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..calls import ByKeyword
 from ..exceptions import ProblemError
-from ..solution import CheckSolution
-from ..values import Finite
+from ..solution.solution import CheckSolution
+from ..tools.calls import ByKeyword
+from ..tools.values import Finite
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Panel, Unconverged
 from .curves import Along, Left
 from .deformed import DrawElements

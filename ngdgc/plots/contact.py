@@ -5,9 +5,9 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from ..calls import ByKeyword
-from ..graph import ZONES
-from ..solution import CheckSolution
+from ..contact.graph import ZONES
+from ..solution.solution import CheckSolution
+from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS, HideNoise
 from .curves import GAP, Along, Left
 from .solid import ContactMaps

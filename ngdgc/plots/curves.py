@@ -5,8 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from ngsolve import BND, QUAD, SEGM, TRIG, VOL, ElementId, IntegrationRule, Region, specialcf
 
-from ..facets import REFERENCE_VERTICES, Coordinates
-from ..inside import OnBoundary
+from ..data.inside import OnBoundary
+from ..mesh.facets import REFERENCE_VERTICES, Coordinates
 
 GAP = 1.1   # pieces of Gamma_C follow each other in a plot at this multiple of their length
 

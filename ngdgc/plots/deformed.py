@@ -3,11 +3,11 @@
 import numpy as np
 from matplotlib.collections import PolyCollection
 
-from ..calls import ByKeyword
-from ..coefficients import ValuesAt
-from ..facets import Coordinates
-from ..solution import CheckSolution
-from ..values import Finite
+from ..data.coefficients import ValuesAt
+from ..mesh.facets import Coordinates
+from ..solution.solution import CheckSolution
+from ..tools.calls import ByKeyword
+from ..tools.values import Finite
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, Left, SplitByElement
 from .solid import DeformedSurface

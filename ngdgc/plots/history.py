@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, WIDTH, Panel
-from ..calls import ByKeyword
 
 
 @ByKeyword

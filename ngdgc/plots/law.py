@@ -5,10 +5,10 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..calls import ByKeyword
-from ..graph import LEAST, ContactGraph, Distance, Scales
-from ..hypotheses import SlipFactor
-from ..solution import CheckSolution
+from ..contact.graph import LEAST, ContactGraph, Distance, Scales
+from ..problem.hypotheses import SlipFactor
+from ..solution.solution import CheckSolution
+from ..tools.calls import ByKeyword
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
 from .curves import Left
 

@@ -5,11 +5,11 @@ from matplotlib.collections import LineCollection, PolyCollection
 from ngsolve import VOL
 from scipy.spatial import cKDTree
 
-from ..calls import ByKeyword
-from ..coefficients import ValuesAt, VectorsAt
-from ..discretization import Discretization
+from ..data.coefficients import ValuesAt, VectorsAt
+from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
-from ..facets import Coordinates, VolumePoints
+from ..mesh.facets import Coordinates, VolumePoints
+from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, PlaneAxes, Thickness
 from .curves import Curves, ElementOutlines, Left, Outline, SplitByElement
 from .solid import SettingSurface
@@ -24,7 +24,7 @@ def SettingFigure(disc):
     Clamped boundaries are hatched, rollers stand on circles, foundations are red blocks, tractions are arrows of a length
     proportional to |f_2| that end or begin at the boundary.  In 3D the surface of the body, coloured by what acts on it.
     """
-    if not isinstance(disc, Discretization):
+    if not isinstance(disc, DiscreteProblem):
         raise ProblemError(f"disc is {disc!r}; give a Discretization, that of a solution is solution.disc")
     problem, mesh = disc.problem, disc.mesh
     if mesh.dim == 3:

@@ -8,9 +8,9 @@ from matplotlib.patches import Patch
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from ngsolve import BND
 
-from ..graph import ZONES
-from ..facets import BoundaryFunction
-from ..meshchecks import Sides
+from ..contact.graph import ZONES
+from ..mesh.checks import Sides
+from ..mesh.facets import BoundaryFunction
 from .canvas import BLUE, GREEN, RED, ZONE_COLOURS
 
 

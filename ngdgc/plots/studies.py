@@ -4,8 +4,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
 
+from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, ORANGE, PURPLE, SKY, VERMILION
-from ..calls import ByKeyword
 
 # Colour, marker and its size: curves of different methods lie on each other, so smaller markers sit in larger ones.
 STYLES = {"IP": (BLUE, "s", 9), "Bassi": (GREEN, "^", 7.5), "Brezzi": (ORANGE, "D", 5), "LDG": (VERMILION, "o", 3.5),

@@ -2,8 +2,8 @@
 
 from matplotlib.figure import Figure
 
+from ..tools.calls import ByKeyword
 from .canvas import BLUE, ORANGE, VERMILION
-from ..calls import ByKeyword
 
 
 @ByKeyword

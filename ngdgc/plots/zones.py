@@ -6,9 +6,9 @@ from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from ..calls import ByKeyword
-from ..graph import ZONES
-from ..solution import CheckSolution
+from ..contact.graph import ZONES
+from ..solution.solution import CheckSolution
+from ..tools.calls import ByKeyword
 from .canvas import WIDTH, ZONE_COLOURS, Frame, PlaneAxes, Unconverged
 from .curves import GAP, Along, Curves, Outline
 from .solid import DrawMap, TangentFrame, TangentLabel

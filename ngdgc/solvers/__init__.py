@@ -1,10 +1,11 @@
-"""Iterations for the contact problem: one driver, one module per iteration."""
+"""Iterations for the contact problem: one driver, which stops, records and raises, and a package or module per iteration.
 
-from ..discretization import Discretization
-from .contraction import Contraction, EstimateContraction
+Here: how coefficients and tractions are found.
+Not here: what the equations are; solvers never ask which method they solve for.
+"""
+
 from .multistart import MultiStart
 from .nested import NestedNewtonSolver
-from .newton import SemismoothNewtonSolver
-from .uzawa import UzawaSolver
-
-Discretization.defaultsolver = NestedNewtonSolver
+from .newton.solver import SemismoothNewtonSolver
+from .uzawa.contraction import Contraction, EstimateContraction
+from .uzawa.solver import UzawaSolver

@@ -6,14 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..contact import Scale
-from ..equations import CheckDiscretization
+from ..contact.boundary import Scale
+from ..contact.graph import CheckEnds, Distance, Scales
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from ..graph import CheckEnds, Distance, Scales
-from ..history import Step
-from ..resultants import BALANCE
-from ..solution import ContactSolution
-from ..values import Integer, Positive
+from ..linear.equations import CheckDiscretization
+from ..solution.history import Step
+from ..solution.resultants import BALANCE
+from ..solution.solution import ContactSolution
+from ..tools.values import Integer, Positive
 
 WINDOW = 10         # iterations over which progress is judged
 NOPROGRESS = 0.97   # best value of a window against the best before: 0.997 per iteration

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..calls import ByKeyword
-from ..equations import CheckDiscretization
+from ..contact.graph import Scales
+from ..contact.stiffness import BodyStiffness
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
 from ..exceptions import NotConvergedError
-from ..graph import Scales
-from ..protocols import Array
-from ..values import Integer
-from .newton import SemismoothNewtonSolver
-from .stiffness import BodyStiffness
-
-if TYPE_CHECKING:
-    from ..discretization import Discretization
-    from ..solution import ContactSolution
+from ..linear.equations import CheckDiscretization
+from ..solution.solution import ContactSolution
+from ..tools.calls import ByKeyword
+from ..tools.values import Integer
+from .newton.solver import SemismoothNewtonSolver
 
 DISTINCT = 1e-6     # relative distance of displacements on Gamma_C that tells solutions apart
 
 
 @ByKeyword
-def MultiStart(disc: Discretization, *, count: int = 8, seed: int = 0, tol: float = 1e-10) -> list[ContactSolution]:
+def MultiStart(disc: DiscreteProblem, *, count: int = 8, seed: int = 0, tol: float = 1e-10) -> list[ContactSolution]:
     """Different solutions of a discrete problem, a list of ContactSolution, found by Newton's method from `count` starts.
 
     The first start is rest; the others are tractions up to the size of those that the body would need to stay in contact
@@ -57,7 +54,7 @@ def MultiStart(disc: Discretization, *, count: int = 8, seed: int = 0, tol: floa
     return found
 
 
-def Starts(disc: Discretization, count: int = 5, seed: int = 0) -> Iterator[tuple[Array, Array]]:
+def Starts(disc: DiscreteProblem, count: int = 5, seed: int = 0) -> Iterator[tuple[Array, Array]]:
     """`count` random pairs (displacement, traction), (n, d) each."""
     contact, rng = disc.contact, np.random.default_rng(seed)
     size = np.ptp(contact.coordinates, axis=0).max()

@@ -7,23 +7,20 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
-from typing import Any, TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 from ngsolve import Mesh
 
-from ..calls import ByKeyword
-from ..coarsening import CoarserMesh
-from ..discretization import Discretization
+from ..discrete.problem import DiscreteProblem
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from ..history import Level, Prediction
+from ..mesh.coarsening import CoarserMesh
+from ..solution.history import Level, Prediction, Step
+from ..solution.solution import ContactSolution
+from ..tools.calls import ByKeyword
 from .driver import CheckCallback, Current
 from .multistart import Starts
-from .newton import SemismoothNewtonSolver
-
-if TYPE_CHECKING:
-    from ..history import Step
-    from ..solution import ContactSolution
+from .newton.solver import SemismoothNewtonSolver
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
 COARSEST = 20                   # contact points that need no prediction
@@ -57,7 +54,7 @@ class NestedNewtonSolver:
                 raise ProblemError(f"coarser is {self.coarser!r}; give a sequence of ngsolve.Mesh, coarse ones first, or None")
             object.__setattr__(self, "coarser", tuple(self.coarser))
 
-    def Solve(self, disc: Discretization, *, callback: Callable[[Step], object] | None = None) -> ContactSolution:
+    def Solve(self, disc: DiscreteProblem, *, callback: Callable[[Step], object] | None = None) -> ContactSolution:
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step` on its own mesh, and
         before, if there is such a method, as `output.Progress` has it, `callback.Predict(step)` with every `Prediction`.
 
@@ -149,7 +146,7 @@ def _Coarse(disc, meshes):
 
 def Coarser(disc, mesh, order):
     """The problem of a Discretization on another mesh or of another order, without the forms that were added: it predicts."""
-    return Discretization(disc.problem, disc.method, mesh, order=order, assembly=disc.assembly)
+    return DiscreteProblem(disc.problem, disc.method, mesh, order=order, assembly=disc.assembly)
 
 
 def Transfer(coarse, contact):

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ngdgc.table3 import PUBLISHED
+from ngdgc.studies.table3 import PUBLISHED
 
 
 # 7.1  From sigma_zz = lam (tr(eps) + eps_zz) + 2 mu eps_zz = 0.

@@ -1,6 +1,7 @@
 """Model solutions of notebook 9, locking."""
 
-from ngdgc import Conforming, locking
+from ngdgc import Conforming
+from ngdgc.studies import locking
 
 
 # 9.1  lam = 2 mu nu/(1 - 2 nu), mu = E/(2 (1 + nu)).

@@ -1,0 +1,202 @@
+"""Elements of one type: their reference element, their geometry and C at quadrature points."""
+
+import numpy as np
+from ngsolve import VOL, IntegrationRule, specialcf
+
+from ..mesh.facets import REFERENCE_VERTICES, VOLUME_TYPES, Curved, VolumePoints
+from ..problem.materials import StiffnessAt
+from ..tools.parallel import Cached
+from .reference import Reference
+
+
+BATCH = 1 << 19     # matrix entries worked on at once: large enough for numpy, small enough for the cache and the memory
+
+
+class CellGeometry:
+    """Arrays over n elements and quadrature points.
+
+    elements (n,) numbers;  facets (n, nf) numbers in NGSolve's local order;  rollers (n, nf) True where a facet couples normal
+    parts only;  vertices (n, nv) numbers;  order k;  liftorder l
+    uniform : True if neither geometry nor C varies in any element
+    """
+
+    def __init__(self, mesh, material, et, elements, vertices, facets, rollers, order, liftorder):
+        self.et, self.dim = et, mesh.dim
+        self.elements, self.facets, self.rollers = elements, facets, rollers
+        self._kind, self._shapes, self._chosen = np.zeros(len(elements), dtype=np.int16), [], slice(None)
+        for kind, (rank, rows) in enumerate(_ByOrder(vertices)):
+            self._kind[rows] = kind
+            self._shapes.append(Reference(et, rank, order, liftorder, material.bonus))
+        self._reference = self._shapes[0]
+        affine = self._AffineMaps(mesh, vertices)
+        points = self._MeshPoints(mesh) if affine is None or material.bonus else []
+        self._geometry = self._Geometries(affine, points)
+        self._boundary = self._Boundaries()
+        self._stiffness = self._Stiffnesses(mesh, material, points)
+        self.uniform = affine is not None and all(C.shape[1] == 1 for C in self._stiffness)
+
+    def Part(self, rows):
+        """Some of these elements, given by their rows; what is computed for them lives as long as the part."""
+        part = object.__new__(type(self))
+        part.et, part.dim, part.uniform, part._chosen = self.et, self.dim, self.uniform, rows
+        part._shapes, part._reference, part._geometry, part._boundary, part._stiffness = (
+            self._shapes, self._reference, self._geometry, self._boundary, self._stiffness)
+        part.elements, part.facets, part.rollers, part._kind = (
+            array[rows] for array in (self.elements, self.facets, self.rollers, self._kind))
+        return part
+
+    def Parts(self, entries):
+        """(rows, Part) of batches of elements whose matrices have that many entries each."""
+        for rows in Batches(np.arange(len(self.elements)), entries):
+            yield rows, self.Part(rows)
+
+    @Cached
+    def rows(self):
+        """[(rows, ReferenceCell)] of the elements whose vertex numbers are ordered alike."""
+        return [(rows, self._shapes[self._kind[rows[0]]]) for rows in Equal(self._kind)]
+
+    @property
+    def constant(self):
+        """True if C eps(u) is constant in every element."""
+        return self.uniform and self._reference.constant
+
+    @property
+    def sides(self):
+        return range(len(self._reference.facets))
+
+    @property
+    def na(self):
+        """Scalar shape functions of V_h."""
+        return self._reference.dv.shape[2]
+
+    @property
+    def nl(self):
+        """Scalar shape functions of Q_h."""
+        return self._reference.p.shape[1]
+
+    def nm(self, s):
+        """Scalar shape functions of F_h on side s."""
+        return self._reference.facets[s].m.shape[1]
+
+    def _AffineMaps(self, mesh, vertices):
+        """dF (n, 1, d, d) if all elements are affine images of the reference element, else None."""
+        if Curved(mesh):
+            return None
+        reference = np.array(REFERENCE_VERTICES[self.et], dtype=float)[:, :self.dim]
+        corners = np.asarray(mesh.ngmesh.Coordinates())[vertices][..., :self.dim]
+        centred = corners - corners.mean(axis=1, keepdims=True)
+        reference = reference - reference.mean(axis=0)
+        maps = np.swapaxes(centred, 1, 2) @ np.linalg.pinv(reference).T
+        # Round-off of the coordinates.
+        straight = np.abs(centred - reference @ np.swapaxes(maps, 1, 2)).max() <= 1e-14 * np.abs(corners).max()
+        return maps[:, None] if straight else None
+
+    @property
+    def samples(self):
+        """Elements of which every other one is an affine image with C constant in it; all of them if there are none such."""
+        return self.Part(np.array([rows[0] for rows, _ in self.rows])) if self.uniform else self
+
+    def _MeshPoints(self, mesh):
+        """NGSolve mesh points of the element rule and the side rules, each (n, q)."""
+        found = []
+        for shapes in (self._reference, *self._reference.facets):
+            rules = {et: IntegrationRule(et, 0) for et in VOLUME_TYPES[self.dim]}
+            rules[self.et] = IntegrationRule(points=[tuple(point) for point in shapes.points[:, :self.dim]],
+                                             weights=list(shapes.weights))
+            mapped = mesh.MapToAllElements(rules, VOL)
+            found.append(mapped[np.isin(mapped["nr"], self.elements)].reshape(len(self.elements), len(shapes.weights)))
+        return found
+
+    def _Geometries(self, affine, points):
+        """[(G, volume)] of the element and its sides: G_mj = d xi_m/d x_j (n, q, d, d) and |det dF| (n, q)."""
+        if affine is not None:
+            return [_Inverse(affine)] * (1 + len(self.sides))
+        return [_Inverse(_AtPoints(at, np.asarray(specialcf.JacobianMatrix(self.dim, self.dim)(at.ravel()))
+                                   .reshape(-1, self.dim, self.dim))) for at in points]
+
+    def _Stiffnesses(self, mesh, material, points):
+        """C_ijkl at the points of the element and of its sides, (n or 1, q or 1, d, d, d, d) each [stress]."""
+        if material.bonus == 0:
+            anywhere = VolumePoints(mesh, 0)[:1]
+            return [StiffnessAt(material, anywhere, self.dim)[None]] * (1 + len(self.sides))
+        return [_AtPoints(at, StiffnessAt(material, at.ravel(), self.dim)) for at in points]
+
+    def _Geometry(self, number=0):
+        """(G, volume) of the element (0) or of side number - 1."""
+        G, volume = self._geometry[number]
+        return G[self._chosen], volume[self._chosen]
+
+    def _C(self, number=0):
+        C = self._stiffness[number]
+        return C if len(C) == 1 else C[self._chosen]
+
+    def _Boundaries(self):
+        """[(n (n, q, d), measure (n, q))] of the sides."""
+        found = []
+        for facet, (G, volume) in zip(self._reference.facets, self._geometry[1:]):
+            normal = facet.normal @ G
+            length = np.sqrt(np.square(normal).sum(axis=2))
+            found.append((normal / length[..., None], length * volume))
+        return found
+
+    def _Boundary(self, s):
+        """(n (n, q, d), measure (n, q)) of side s."""
+        n, measure = self._boundary[s]
+        return n[self._chosen], measure[self._chosen]
+
+    def _Transmitted(self, s):
+        """P_ij (n, q, d, d) on side s: n n' on rollers, which transmit the normal part only, else the identity, or None."""
+        if not self.rollers[:, s].any():
+            return None
+        n, _ = self._Boundary(s)
+        return np.where(self.rollers[:, s, None, None, None], n[..., :, None] * n[..., None, :], np.eye(self.dim))
+
+
+def _AtPoints(points, values):
+    """Values (n q, ...) at mesh points (n, q) as (n, q, ...), or (n, 1, ...) where they vary in no element."""
+    values = values.reshape(*points.shape, *values.shape[1:])
+    first = values[:, :1]
+    return first.copy() if np.abs(values - first).max() <= 1e-14 * np.abs(values).max() else values
+
+
+def _ByOrder(vertices):
+    """(order of the vertex numbers as a tuple of ranks, rows where they have this order)."""
+    count = vertices.shape[1]
+    ranks = [sum((vertices[:, j] < vertices[:, i]).astype(np.int8) for j in range(count)) for i in range(count)]
+    for rows in Equal(*ranks):
+        yield tuple(int(rank[rows[0]]) for rank in ranks), rows
+
+
+def Equal(*keys):
+    """Index arrays, ascending, of the entries for which all keys (small integers >= -1) agree."""
+    code = np.zeros(len(keys[0]), dtype=np.int64)
+    for key in keys:
+        code = code * (int(key.max(initial=0)) + 2) + key + 1
+    if code.max(initial=0) >= 1 << 15:
+        code = np.unique(code, return_inverse=True)[1]
+    if code.max(initial=0) < 1 << 15:
+        code = code.astype(np.int16)        # numpy sorts these in linear time
+    order = np.argsort(code, kind="stable")
+    if len(order):
+        yield from np.split(order, np.flatnonzero(np.diff(code[order])) + 1)
+
+
+def Batches(members, entries):
+    """Batches of members whose matrices have that many entries each."""
+    size = max(1, int(BATCH // max(entries, 1)))
+    for begin in range(0, len(members), size):
+        yield members[begin:begin + size]
+
+
+def _Inverse(maps):
+    """(dF^-1, |det dF|) for Jacobians dF (n, q, d, d), by cofactors: LAPACK takes ten times as long for matrices this small."""
+    minors = np.stack([_Cross(maps, row) for row in range(maps.shape[-1])], axis=-1)
+    determinant = np.einsum("nqj,nqj->nq", maps[..., 0, :], minors[..., 0])
+    return minors / determinant[..., None, None], np.abs(determinant)
+
+
+def _Cross(maps, row):
+    """The cofactors of a row."""
+    if maps.shape[-1] == 2:
+        return np.stack([maps[..., 1 - row, 1], -maps[..., 1 - row, 0]], axis=-1) * (-1) ** row
+    return np.cross(maps[..., (row + 1) % 3, :], maps[..., (row + 2) % 3, :])

@@ -1,0 +1,263 @@
+"""Integrals of shape functions over elements and their sides, for all elements of one type at once.
+
+Displacements are ordered component by component, v = e_i phi_a -> (i, a); so are facet functions (i, b) and, with the basis E_c
+of the symmetric matrices, liftings (c, p).  An array over n elements and their local degrees of freedom is a batch of element
+matrices, computed by one matrix product for all elements whose vertex numbers are ordered alike.
+
+Geometry and C enter at quadrature points; where neither varies in an element, the shape functions are integrated first and the
+points disappear.
+"""
+
+import numpy as np
+
+from ..tools.parallel import Cached
+from .elements import CellGeometry
+
+
+def SymmetricBasis(dim):
+    """E_c, (components, d, d): the matrices that NGSolve's MatrixValued(symmetric=True) multiplies its functions by."""
+    pairs = [(i, j) for i in range(dim) for j in range(i, dim)]
+    basis = np.zeros((len(pairs), dim, dim))
+    for c, (i, j) in enumerate(pairs):
+        basis[c, i, j] = basis[c, j, i] = 1
+    return basis
+
+
+class Cells(CellGeometry):
+    """Batches of element matrices for all elements of one type; sides are numbered by s = 0 ... nf-1, n is outward."""
+
+    @property
+    def basis(self):
+        return SymmetricBasis(self.dim)
+
+    def _Contract(self, pairs, number):
+        """sum_jl pairs[n, q, x, j, l] C_ijkl -> (n, q, x, i, k), in the element (0) or on side number - 1."""
+        C, d = self._C(number), self.dim
+        C = C.transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], d * d, d * d)
+        pairs = pairs.reshape(*pairs.shape[:3], d * d)
+        if C.shape[:2] == (1, 1):       # one product for all
+            return (pairs.reshape(-1, d * d) @ C[0, 0]).reshape(*pairs.shape[:3], d, d)
+        contracted = pairs @ C
+        return contracted.reshape(*contracted.shape[:3], d, d)
+
+    def _StressGradient(self):
+        """C_ijkl G_tl, that maps reference gradients of u_k to stresses in the element, (n, q, i, j, k, t)."""
+        C, (G, _), d = self._C(), self._Geometry(), self.dim
+        stress = C.reshape(*C.shape[:2], d ** 3, d) @ np.swapaxes(G, 2, 3)
+        return stress.reshape(*stress.shape[:2], d, d, d, d)
+
+    def _EnergyDensity(self, number=0):
+        """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t)."""
+        (G, _), d = self._Geometry(number), self.dim
+        pairs = G[:, :, :, None, :, None] * G[:, :, None, :, None, :]
+        density = self._Contract(pairs.reshape(*G.shape[:2], d * d, d, d), number)
+        return density.reshape(*density.shape[:2], d, d, d, d).transpose(0, 1, 4, 5, 2, 3)
+
+    def _Sum(self, coefficient, integrand):
+        """sum_q w_q coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y)."""
+        lead, result = coefficient.shape[1:-2], None
+        for rows, shape in self.rows:
+            values = integrand(shape)
+            part = coefficient[rows] if len(self.rows) > 1 else coefficient
+            if coefficient.shape[-2] == 1:
+                values = values.sum(axis=0, keepdims=True)
+            part = part.reshape(len(rows) * int(np.prod(lead)), -1) @ values.reshape(-1, values.shape[-1])
+            part = part.reshape(len(rows), *lead, -1)
+            if len(self.rows) == 1:
+                return part
+            if result is None:
+                result = np.empty((len(self.elements), *part.shape[1:]))
+            result[rows] = part
+        return result
+
+    def _Gradients(self, coefficient, products):
+        """sum_q coefficient[n, q, i, k, m, t] products[q, (m t), (a b)] -> (n, (i, a), (k, b)), for products as below."""
+        (n, q), d = coefficient.shape[:2], self.dim
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, d * d), products)
+        return values.reshape(n, d, d, self.na, self.na).transpose(0, 1, 3, 2, 4).reshape(n, d * self.na, d * self.na)
+
+    def _Pairs(self, coefficient, left, right):
+        """sum_q w_q coefficient[n, q, i, k] left_a right_b -> (n, (i, a), (k, b)); left and right give (q, functions)."""
+        (n, _, rows, columns), sample = coefficient.shape, self._reference
+
+        def Products(shape):
+            weights, a, b = left(shape)[0], left(shape)[1], right(shape)[1]
+            return np.einsum("q,qa,qb->qab", weights, a, b).reshape(len(weights), 1, -1)
+
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1)[..., None], Products)
+        a, b = left(sample)[1].shape[1], right(sample)[1].shape[1]
+        return values.reshape(n, rows, columns, a, b).transpose(0, 1, 3, 2, 4).reshape(n, rows * a, columns * b)
+
+    def _Mixed(self, coefficient, left, s=None):
+        """sum_q w_q coefficient[n, q, i, k, t] left_b d_t phi_a -> (n, (i, b), (k, a))."""
+        (n, q, rows, d, _) = coefficient.shape
+
+        def Products(shape):
+            here = shape if s is None else shape.facets[s]
+            values = np.einsum("q,qb,qta->qtba", here.weights, left(shape), here.dv)
+            return values.reshape(len(here.weights), d, -1)
+
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4), Products)
+        b = left(self._reference).shape[1]
+        return values.reshape(n, rows, d, b, self.na).transpose(0, 1, 3, 2, 4).reshape(n, rows * b, d * self.na)
+
+    def _Side(self, s, name):
+        return lambda shape: (shape.facets[s].weights, getattr(shape.facets[s], name))
+
+    @Cached
+    def energy(self):
+        """K = int C eps(u):eps(v), (n, (i a), (k b))."""
+        _, volume = self._Geometry()
+        return self._Gradients(self._EnergyDensity() * volume[..., None, None, None, None], _GradientProducts)
+
+    @Cached
+    def rotations(self):
+        """int (d_i u_k - d_k u_i), i < k, as functionals, (n, (k a), pairs)."""
+        G, volume = self._Geometry()
+        pairs = [(i, k) for i in range(self.dim) for k in range(i + 1, self.dim)]
+        curl = np.zeros((len(pairs), self.dim, self.dim))
+        for number, (i, k) in enumerate(pairs):
+            curl[number, k, i], curl[number, i, k] = 1, -1
+        coefficient = np.einsum("rkl,nqtl,nq->nqrkt", curl, G, volume)
+        return np.swapaxes(self._Mixed(coefficient, lambda shape: np.ones((len(shape.weights), 1))), 1, 2)
+
+    def Trace(self, s):
+        """int_e u.mu with the transmitted part of u, (n, (i b), (k a))."""
+        _, measure = self._Boundary(s)
+        transmitted = self._Transmitted(s)
+        transmitted = np.eye(self.dim)[None, None] if transmitted is None else transmitted
+        return self._Pairs(measure[..., None, None] * transmitted, self._Side(s, "m"), self._Side(s, "v"))
+
+    def TraceValue(self, s):
+        """M_F^-1 times `Trace`: the transmitted part of u on the side as coefficients in F_h, (n, (i b), (k a))."""
+        _, measure = self._Boundary(s)
+        if measure.shape[1] > 1:
+            inverse, trace = self.InverseTraceMass(s), self.Trace(s)
+            return (inverse[:, None] @ trace.reshape(len(trace), self.dim, self.nm(s), -1)).reshape(trace.shape)
+        values = np.empty((len(measure), self.dim, self.nm(s), self.dim, self.na))
+        for rows, shape in self.rows:
+            facet = shape.facets[s]
+            mass, trace = (np.einsum("q,qb,qa->ba", facet.weights, facet.m, other) for other in (facet.m, facet.v))
+            values[rows] = np.eye(self.dim)[:, None, :, None] * np.linalg.solve(mass, trace)[:, None, :]
+        transmitted = self._Transmitted(s)
+        if transmitted is not None:
+            values = np.einsum("nij,njbka->nibka", transmitted[:, 0], values)
+        return values.reshape(len(measure), self.dim * self.nm(s), -1)
+
+    def Traction(self, s):
+        """int_e {C eps(u) n}.mu with the transmitted part of the traction, (n, (i b), (k a))."""
+        stress = self._StressOnNormal(s) * self._Boundary(s)[1][..., None, None, None]
+        return self._Mixed(self._Transmit(s, stress), lambda shape: shape.facets[s].m, s)
+
+    def _StressOnNormal(self, s):
+        """n_j C_ijkl G_tl, (n, q, i, k, t)."""
+        (n, _), (G, _) = self._Boundary(s), self._Geometry(1 + s)
+        return self._Contract(n[:, :, None, :, None] * G[:, :, :, None, :], 1 + s).transpose(0, 1, 3, 4, 2)
+
+    def _Transmit(self, s, coefficient):
+        transmitted = self._Transmitted(s)
+        return coefficient if transmitted is None else np.einsum("nqij,nqj...->nqi...", transmitted, coefficient)
+
+    def LiftedTraction(self, s):
+        """int_e q n.mu with the transmitted part of the traction, (n, (i b), (c p))."""
+        n, measure = self._Boundary(s)
+        coefficient = self._Transmit(s, np.einsum("nqj,cij->nqic", n * measure[..., None], self.basis))
+        return self._Pairs(coefficient, self._Side(s, "m"), self._Side(s, "p"))
+
+    def InverseTraceMass(self, s):
+        """The inverse of int_e mu nu, scalar, (n, b, b)."""
+        return self._InverseMass(self._Boundary(s)[1], self._Side(s, "m"))
+
+    def _InverseMass(self, measure, functions):
+        """The inverse of sum_q w_q measure[n, q] f_a f_b, (n, a, b); functions(shape) gives (w, f)."""
+        if measure.shape[1] > 1:
+            return np.linalg.inv(self._Pairs(measure[..., None, None], functions, functions))
+
+        def Inverse(shape):
+            weights, values = functions(shape)
+            return np.linalg.inv(np.einsum("q,qa,qb->ab", weights, values, values)).reshape(1, 1, -1)
+
+        size = functions(self._reference)[1].shape[1]
+        return self._Sum(1 / measure[:, :, None], Inverse).reshape(len(measure), size, size)
+
+    def ElasticJump(self, s):
+        """int_e {C sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
+        n, measure = self._Boundary(s)
+        pairs = n[..., :, None] * (n * measure[..., None])[..., None, :]
+        return self._JumpMass(s, self._Contract(pairs[:, :, None], 1 + s)[:, :, 0])
+
+    def PlainJump(self, s):
+        """int_e {sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
+        n, measure = self._Boundary(s)
+        tensor = (np.eye(self.dim) + n[..., :, None] * n[..., None, :]) / 2
+        return self._JumpMass(s, tensor * measure[..., None, None])
+
+    def _JumpMass(self, s, tensor):
+        transmitted = self._Transmitted(s)
+        if transmitted is not None:
+            tensor = transmitted @ tensor @ transmitted
+        return self._Pairs(tensor, self._Side(s, "m"), self._Side(s, "m"))
+
+    def SurfaceRatios(self, weights):
+        """sum_s weights[n, s] |e_s| / |K|, (n,), where geometry is uniform."""
+        surface = sum(weights[:, s] * self._Boundary(s)[1][:, 0] * facet.weights.sum()
+                      for s, facet in enumerate(self._reference.facets))
+        return surface / (self._Geometry()[1][:, 0] * self._reference.weights.sum())
+
+    def ElasticPencil(self, weights):
+        """sum_s weights[n, s] int_e C eps(u):eps(v), (n, (i a), (k b))."""
+        scaled = [weights[:, s, None] * self._Boundary(s)[1] for s in self.sides]
+        if not self.uniform:
+            return sum(self._Gradients(self._EnergyDensity(1 + s) * scale[..., None, None, None, None], _OnSide(s))
+                       for s, scale in enumerate(scaled))
+        # One product for all sides, which take the place of the quadrature points.
+        return self._Gradients(self._EnergyDensity() * np.concatenate(scaled, axis=1)[..., None, None, None, None],
+                               lambda shape: np.stack([_GradientProducts(facet).sum(axis=0) for facet in shape.facets]))
+
+    def PlainPencil(self, weights):
+        """sum_s weights[n, s] int_e 2 a.b - (a.n)(b.n), a = C eps(u) n and b = C eps(v) n, (n, (i a), (k b))."""
+        return sum(self._PlainPencil(s, weights[:, s, None]) for s in self.sides)
+
+    def _PlainPencil(self, s, weight):
+        n, measure = self._Boundary(s)
+        measure = weight * measure
+        traction = self._StressOnNormal(s)
+        dual = (2 * np.eye(self.dim) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]
+        weighted = np.einsum("nqij,nqjkt->nqikt", dual, traction)
+        return self._Gradients(np.einsum("nqjim,nqjkt->nqikmt", traction, weighted), _OnSide(s))
+
+    @Cached
+    def stress(self):
+        """R = int C eps(u):q, (n, (c p), (k a))."""
+        _, volume = self._Geometry()
+        coefficient = np.einsum("cij,nqijkt->nqckt", self.basis, self._StressGradient() * volume[..., None, None, None, None])
+        return self._Mixed(coefficient, lambda shape: shape.p)
+
+    @Cached
+    def inverseliftmass(self):
+        """M_Q^-1, (n, (c p), (c p))."""
+        inverse = self._InverseMass(self._Geometry()[1], _LiftFunctions)
+        components = np.linalg.inv(np.einsum("cij,dij->cd", self.basis, self.basis))
+        size = len(components) * self.nl
+        return (components[:, None, :, None] * inverse[:, None, :, None, :]).reshape(-1, size, size)
+
+    @Cached
+    def weightedliftmass(self):
+        """M_C, (n, (c p), (c p))."""
+        _, volume = self._Geometry()
+        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, self._C(), self.basis) * volume[..., None, None]
+        return self._Pairs(weighted, _LiftFunctions, _LiftFunctions)
+
+
+def _LiftFunctions(shape):
+    return shape.weights, shape.p
+
+
+def _GradientProducts(shapes):
+    """w_q d_m phi_a d_t phi_b, (q, (m t), (a b)), of a ReferenceCell or of its FacetShapes."""
+    products = np.einsum("q,qma,qtb->qmtab", shapes.weights, shapes.dv, shapes.dv)
+    return products.reshape(len(shapes.weights), shapes.dv.shape[1] ** 2, -1)
+
+
+def _OnSide(s):
+    return lambda shape: _GradientProducts(shape.facets[s])

@@ -1,0 +1,198 @@
+"""The operators of the discontinuous Galerkin methods, as blocks on elements and facets.
+
+For a symmetric q, [v]:q = w.(q n) with the vector jump w = v+ - v-: the tensor jump is a vector jump against a traction.  So
+everything is built from integrals over elements and their sides (`blocks.integrals` module), in which neighbours do not couple:
+
+    V_h  displacement, order k                    Q_h  symmetric matrices, piecewise of order l
+    F_h  vectors on the facets, order k           E0   interior facets, Gamma_D and rollers
+    K : V_h x V_h  int C eps(u):eps(v)            J : V_h x F_h  int_E0 (u+ - u-).mu
+    S : V_h x F_h  int_E0 {C eps(u)} n.mu         N : Q_h x F_h  int_E0 {q} n.mu
+    R : V_h x Q_h  int C eps(u):q                 M_F, M_Q, M_C  masses of F_h and Q_h, and the C-weighted one of Q_h
+
+    r_0([u]) = -M_Q^-1 N' M_F^-1 J u              G = N M_Q^-1 M_C M_Q^-1 N'
+
+Averages count the two sides of an interior facet by 1/2 and a boundary facet fully; the side with the smaller element number
+fixes the orientation.  On a roller w = v_n n and the traction is its normal part.
+"""
+
+from functools import cached_property
+
+import numpy as np
+from ngsolve import L2, FacetFESpace, MatrixValued, specialcf
+
+from .batches import Patches
+from .matrix import BlockMatrix, Numbers
+
+
+class FacetOperators(Patches):
+    """The blocks of the operators on batches of facets and elements, computed anew in each batch: none of them are kept."""
+
+    @property
+    def normal(self):
+        return specialcf.normal(self.dim)
+
+    @cached_property
+    def traces(self):
+        """F_h, NGSolve's space."""
+        return FacetFESpace(self.mesh, order=self.order) ** self.dim
+
+    @cached_property
+    def liftings(self):
+        """Q_h, NGSolve's space."""
+        return MatrixValued(L2(self.mesh, order=self.liftorder), symmetric=True)
+
+    @cached_property
+    def starts(self):
+        """Scalar dofs of V_h: those of element e are starts[e] ... starts[e+1]-1."""
+        return self._Starts(lambda cells: cells.na)
+
+    @cached_property
+    def liftstarts(self):
+        """Scalar dofs of Q_h."""
+        return self._Starts(lambda cells: cells.nl)
+
+    def _Starts(self, count):
+        sizes = np.zeros(self.mesh.ne, dtype=np.int64)
+        for cells in self.cells:
+            sizes[cells.elements] = count(cells)
+        return np.concatenate([[0], np.cumsum(sizes)])
+
+    @cached_property
+    def tracestarts(self):
+        """Scalar dofs of F_h."""
+        return np.concatenate([[0], np.cumsum(self.tracesizes)])
+
+    def Dofs(self, elements):
+        """Dofs (n, m) of V_h on patches of elements (n, patch), ordered component, element, function."""
+        return Numbers(self.starts, elements, self.dim)
+
+    def TraceDofs(self, facets):
+        """Dofs (n, r) of F_h on facets (n,)."""
+        return Numbers(self.tracestarts, facets[:, None], self.dim)
+
+    @staticmethod
+    def elasticjumps(side):
+        """int_e {C sym(mu (x) n)} n.nu from one side, (n, r, r)."""
+        return side.Blocks(lambda cells, s: cells.ElasticJump(s))
+
+    @staticmethod
+    def plainjumps(side):
+        """int_e {sym(mu (x) n)} n.nu from one side, (n, r, r)."""
+        return side.Blocks(lambda cells, s: cells.PlainJump(s))
+
+    @staticmethod
+    def inversemass(side):
+        """M_F^-1 of single facets, scalar, (n, b, b)."""
+        return side.Blocks(lambda cells, s: cells.InverseTraceMass(s))
+
+    @staticmethod
+    def tracevalues(side):
+        """M_F^-1 times the traces: u on one side of the facets as coefficients in F_h, (n, r, m)."""
+        return side.Blocks(lambda cells, s: cells.TraceValue(s))
+
+    def _Joined(self, parts):
+        """Blocks (n, r, m) of V_h x F_h on a patch from those of its sides, components first."""
+        n, r = parts[0].shape[:2]
+        return np.concatenate([part.reshape(n, r, self.dim, -1) for part in parts], axis=3).reshape(n, r, -1)
+
+    def Apply(self, inverse, blocks):
+        """M^-1 blocks for a scalar inverse (n, b, b) and blocks (n, (i b), ...)."""
+        n, r = blocks.shape[:2]
+        return (inverse[:, None] @ blocks.reshape(n, self.dim, r // self.dim, -1)).reshape(blocks.shape)
+
+    def SideJump(self, side):
+        """The part of M_F^-1 J on one side, (n, r, m)."""
+        return self.tracevalues(side) * side.sign[:, None, None]
+
+    def SideTraction(self, side, facets, lifted):
+        """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, m)."""
+        def Traction(cells, s):
+            return cells.LiftedTraction(s) @ (cells.inverseliftmass @ cells.stress) if lifted else cells.Traction(s)
+
+        return side.Blocks(Traction) * (self.share[facets] * side.sign)[:, None, None]
+
+    def JumpBlocks(self, patch):
+        """J, (n, r, m)."""
+        return self._Joined([side.Blocks(lambda cells, s: cells.Trace(s)) * side.sign[:, None, None] for side in patch.sides])
+
+    def Jumps(self, patch):
+        """M_F^-1 J: the jump as coefficients in F_h, (n, r, m)."""
+        return self._Joined([self.SideJump(side) for side in patch.sides])
+
+    def Tractions(self, patch, lifted):
+        """S, or N M_Q^-1 R if `lifted`, (n, r, m)."""
+        return self._Joined([self.SideTraction(side, patch.facets, lifted) for side in patch.sides])
+
+    def LocalEnergy(self, patch):
+        """(C r_e(mu), r_e(nu)), (n, r, r)."""
+        def Energy(cells, s):
+            lifting = cells.LiftedTraction(s) @ cells.inverseliftmass
+            return lifting @ cells.weightedliftmass @ np.swapaxes(lifting, 1, 2)
+
+        return self._OfSides(patch, Energy)
+
+    def LocalSquare(self, patch):
+        """(r_e(mu), r_e(nu)), (n, r, r)."""
+        def Square(cells, s):
+            traction = cells.LiftedTraction(s)
+            return traction @ cells.inverseliftmass @ np.swapaxes(traction, 1, 2)
+
+        return self._OfSides(patch, Square)
+
+    def _OfSides(self, patch, product):
+        share = self.share[patch.facets]
+        return sum(share[:, None, None] ** 2 * side.Blocks(product) for side in patch.sides)
+
+    def Liftings(self, star):
+        """-M_Q^-1 N' : the liftings of traces on the star's facets as coefficients in Q_h, [(n, (c p), r)] over its arms."""
+        return [-star.cells.inverseliftmass @ np.swapaxes(side.Blocks(lambda cells, s: cells.LiftedTraction(s)), 1, 2)
+                * (self.share[facets] * side.sign)[:, None, None] for side, facets, _ in star.arms]
+
+    def GlobalLifting(self, star):
+        """r_0([u]) on the star's elements from the displacements on the star, (n, (c p), m)."""
+        here, beyond = 0, []
+        for lift, (own, _, other) in zip(self.Liftings(star), star.arms):
+            here = here + lift @ self.SideJump(own)
+            if other is not None:
+                beyond.append(lift @ self.SideJump(other))
+        return self._Joined([here, *beyond])
+
+    @cached_property
+    def contains(self):
+        """True if C eps(V_h) lies in Q_h, as far as the facets see: then edge form and lifting form are the same."""
+        difference = largest = 0.0
+        for cells in (cells.samples for cells in self.cells):
+            projection = cells.inverseliftmass @ cells.stress
+            for s in cells.sides:
+                traction = cells.Traction(s)
+                difference = max(difference, np.abs(traction - cells.LiftedTraction(s) @ projection).max())
+                largest = max(largest, np.abs(traction).max())
+        # Round-off of products of matrices with entries of different size.
+        return difference <= 1e-10 * largest
+
+    def EdgeCoupling(self, cells):
+        """sum_e m_e S_e' G_e^-1 S_e on elements, (n, m, m), m_e = 2 between elements and 1 on the boundary, or None.
+
+        S_e are the element's own tractions in the averages, G_e the local lifting energy of a facet: by Young's inequality
+        the edge form with eta sum_e (C r_e, r_e) is coercive if eta exceeds this against the energy of every element.  None if
+        some traction meets a jump whose lifting vanishes: then no eta will do.
+        """
+        energies = {int(facet): energy for patch in self.FacetPatches()
+                    for facet, energy in zip(patch.facets, self.LocalEnergy(patch))}
+        total = np.zeros_like(cells.energy)
+        for s in cells.sides:
+            share = self.share[cells.facets[:, s]]
+            weak = np.flatnonzero(share > 0)
+            if not len(weak):
+                continue
+            tractions = share[weak, None, None] * cells.Traction(s)[weak]
+            lifted = np.array([energies[facet] for facet in cells.facets[weak, s]])
+            inverse = np.linalg.pinv(lifted, rcond=1e-10, hermitian=True)
+            if np.abs(tractions - lifted @ (inverse @ tractions)).max() > 1e-8 * np.abs(tractions).max():
+                return None
+            total[weak] += np.swapaxes(tractions, 1, 2) @ inverse @ tractions / share[weak, None, None]
+        return total
+
+    def Matrix(self, space, reach):
+        """An empty BlockMatrix on V_h = space."""
+        return BlockMatrix(space, self.starts, self.facets.adjacency, reach)

@@ -1,0 +1,148 @@
+"""What a run shows and leaves: progress of the iteration, and a folder with report, figures, page, VTK and solution."""
+
+import json
+import os
+import shutil
+import sys
+import time
+from functools import partial
+
+from ..solution.history import Prediction
+from ..tools.calls import ByKeyword
+from .files import Files
+
+EVERY = 10          # iterations from one line of a log file to the next
+SLOW = 4.0          # [s] after which the next iteration is a line, whatever its number
+FIRST = 20          # iterations that a notebook shows at once; then one every PAUSE
+PAUSE = 0.1         # [s]
+UP = "\x1b[F\x1b[K"  # to the beginning of the line before, which is erased
+
+
+@ByKeyword
+class Progress:
+    """A callback that shows how an iteration goes: `solver.Solve(disc, callback=Progress())`.
+
+    In a terminal one line is rewritten, cut to its width; in a notebook one line of output is updated, at most ten times a
+    second and at the end of the cell; in a file or a pipe the first, every tenth and slow iterations are a line each, written
+    at once.  What is printed next begins on a new line, so nothing has to be closed; `Close()` shows the last iteration where
+    it was left out.  One object may follow several solves.
+
+    stream : where to write; None: the notebook or the standard output.  One that is closed, also a pipe whose reader has gone,
+        silences the progress and does not disturb the iteration
+
+    Ctrl-C raises `SolveInterrupted`, whose `solution` is the last iterate:
+
+    >>> from ngdgc.cases import example_4_2
+    >>> solution = example_4_2.Main(n=2, callback=Progress())       # doctest: +ELLIPSIS
+    iteration     1   change ...
+    """
+
+    def __init__(self, stream=None):
+        self.display = _Display(self.Close) if stream is None else None
+        self.stream = sys.stdout if stream is None else stream
+        self.live = self.display is None and self.stream.isatty() and os.environ.get("TERM") != "dumb"
+        self.step, self.shown, self.time = None, None, 0.0
+
+    def __call__(self, step):
+        self.step = step
+        if self.live or step.number == 1 or self._Due(step.number):
+            self._Show()
+
+    def Predict(self, step):
+        """The same on a coarser mesh of a nested iteration."""
+        self(step)
+
+    def Close(self):
+        """Show the last iteration if it has not been shown."""
+        if self.step is not self.shown:
+            self._Show()
+
+    def _Due(self, number):
+        since = time.perf_counter() - self.time
+        if self.display is None:
+            return number % EVERY == 0 or since >= SLOW
+        return number <= FIRST or since >= PAUSE
+
+    def _Show(self):
+        step, follows = self.step, self.shown is not None and self.step.number > self.shown.number
+        coarse = f"prediction with {step.unknowns} unknowns, " if isinstance(step, Prediction) else ""
+        line = (f"{coarse}iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
+                f"{step.seconds:7.2f} s")
+        self.shown, self.time = step, time.perf_counter()
+        if self.display is not None:
+            self.display(line, follows)
+            return
+        try:
+            if self.live:
+                # A line that the terminal breaks would be two lines up.
+                line = (UP if follows else "") + line[:shutil.get_terminal_size().columns - 1]
+            self.stream.write(line + "\n")
+            self.stream.flush()
+        except (OSError, ValueError):
+            # Nobody reads any more; ValueError is what a closed file raises.
+            self.stream, self.live = open(os.devnull, "w"), False
+
+
+def _Display(Close):
+    """In a notebook, a function (line, update) that shows a line or replaces the last one shown; elsewhere None.
+
+    `Close` is called at the end of the cell.
+    """
+    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    if not hasattr(shell, "kernel"):
+        return None
+    from IPython.display import display
+
+    handle = None
+
+    def AtEnd(*_):
+        shell.events.unregister("post_run_cell", AtEnd)
+        Close()
+
+    def Display(line, update):
+        nonlocal handle
+        content = {"text/plain": line}
+        if update:
+            handle.update(content, raw=True)
+        else:
+            handle = display(content, raw=True, display_id=True)
+            shell.events.register("post_run_cell", AtEnd)
+    return Display
+
+
+def SaveResults(solution, files):
+    """Write what must not be lost to `files.Files`: the solution, the numbers and the report."""
+    try:
+        files.Write("solution/", solution.Save, precious=True)
+    finally:        # also of what cannot be saved, such as a method of one's own
+        files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
+        files.Text("report.txt", solution.Report())
+
+
+def DrawResults(solution, files, *, scale=1.0):
+    """Write page, VTK and figures; `scale` multiplies the displacement in the pictures.
+
+    With another scale than 1 the deformed body is drawn at that scale too.
+    """
+    from ..export import WriteContactVTK, WriteHTML, WriteVTK
+    from ..plots import ContactFigure, DeformedFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
+
+    files.Write("solution.html", partial(WriteHTML, solution, scale=scale))
+    files.Write("solution.vtu", partial(WriteVTK, solution))
+    files.Write("contact.vtu", partial(WriteContactVTK, solution))
+    figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution),
+               "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
+               "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}
+    if scale != 1:
+        figures["deformed-scaled"] = lambda: DeformedFigure(solution, scale=scale)
+    for name, Figure in figures.items():
+        files.Write(f"{name}.png", lambda path, Figure=Figure: Figure().savefig(path, dpi=150))
+
+
+@ByKeyword
+def WriteResults(solution, folder, *, scale=1.0):
+    """Write into a folder all that `ngdgc run` leaves; the list of names."""
+    files = Files(folder)
+    SaveResults(solution, files)
+    DrawResults(solution, files, scale=scale)
+    return files.written

@@ -1,0 +1,185 @@
+"""Gamma_C discretised: displacement at its quadrature points, laws there, tractions turned into loads.
+
+The same for every method: with T the trace of V_h at the points, W the quadrature weights and t the traction that the
+body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem reads  A u = f - T' W t,  t = law(T u).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sp
+from ngsolve import VOL, ElementId
+
+from ..contracts import Array
+from ..data.coefficients import ValuesAt
+from ..exceptions import ProblemError
+from ..mesh.quadrature import BoundaryQuadrature
+from ..problem.hypotheses import CheckCompliance, CheckFriction, SlipFactor
+from ..problem.laws import LawAt
+from ..problem.userlaws import CheckFinite
+
+SAME = 1e-12        # squared relative distance of two traces that is round-off
+CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
+
+
+def Scale(vectors):
+    """Largest length of vectors (n, d), or 1 if all vanish."""
+    return np.linalg.norm(vectors, axis=1).max(initial=0) or 1.0
+
+
+class ContactBoundary:
+    """All foundations of a problem on one mesh, n contact points in d dimensions.
+
+    These are the points of a quadrature rule.  Where conforming elements have one value for several facets its points are one
+    contact point with the sum of the weights: tractions that only their traces could tell apart would not be determined.
+
+    rules : of the quadrature, as for `BoundaryQuadrature.On`
+
+    Attributes
+    ----------
+    coordinates, normals : (n, d);  weights, gap : (n,) [length^(d-1)], [length]
+    facets, members : (m,), the pairs of a facet and a contact point on it; of discontinuous elements every point has one facet
+    measures : (n,) of the facet, or the mean of several [length^(d-1)]
+    trace : sparse (n d, ndof), row p d + i gives component i of u_h at point p
+    flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
+    parts : list of (foundation, slice of its points, compliance law, friction law), the laws with their data at the points
+    """
+
+    def __init__(self, problem, facets, space, scalar, rules):
+        pieces = [BoundaryQuadrature.On(facets, foundation.boundary, rules) for foundation in problem.foundation]
+        points, inside, coordinates, normals, weights, self.facets = (
+            np.concatenate([getattr(piece, name) for piece in pieces])
+            for name in ("points", "inside", "coordinates", "normals", "weights", "facets"))
+        owner = np.repeat(np.arange(len(pieces)), [len(piece.weights) for piece in pieces])
+        dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
+        self.members = SharedPoints(trace[::dim], normals, owner)
+        _, first = np.unique(self.members, return_index=True)
+        self.weights = np.bincount(self.members, weights)
+        mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))
+        _, number = np.unique(self.facets, return_inverse=True)
+        self.measures = mean @ np.bincount(number, weights)[number]
+        self.normals = mean @ normals
+        self.normals /= np.linalg.norm(self.normals, axis=1)[:, None]
+        self.coordinates, self.inside, points, owner = coordinates[first], inside[first], points[first], owner[first]
+        self.trace = trace[(first[:, None] * dim + np.arange(dim)).ravel()]
+        self.flexibility = np.ptp(self.coordinates, axis=0).max() / problem.material.ShearAt(self.inside).min()
+        self.gap = np.empty(len(self.weights))
+        self.parts = []
+        for number, foundation in enumerate(problem.foundation):
+            here = slice(*np.searchsorted(owner, [number, number + 1]))
+            name, region = f"foundation {foundation.boundary!r}: ", facets.mesh.Boundaries(foundation.boundary)
+            self.gap[here] = ValuesAt(foundation.gap, points[here], name + "gap", region)
+            compliance = LawAt(foundation.compliance, points[here], name, region)
+            CheckCompliance(compliance, len(points[here]), name[:-2])
+            friction = foundation.friction and LawAt(foundation.friction, points[here], name, region)
+            if friction is not None:
+                r = np.ones(len(points[here]))
+                CheckFriction(friction, r, compliance.Pressure(r), name[:-2])
+            self.parts.append((foundation, here, compliance, friction))
+
+    @property
+    def dim(self):
+        return self.normals.shape[1]
+
+    def Displacement(self, vector: Array) -> Array:
+        """u_h at the points, (n, d), from the coefficients in V_h."""
+        return (self.trace @ vector).reshape(-1, self.dim)
+
+    def Normal(self, vectors: Array) -> Array:
+        """v_n = v.n, (n,)."""
+        return np.einsum("pd,pd->p", vectors, self.normals)
+
+    def Tangential(self, vectors: Array) -> Array:
+        """v_t = v - v_n n, (n, d)."""
+        return vectors - self.Normal(vectors)[:, None] * self.normals
+
+    def Penetration(self, displacement: Array) -> Array:
+        """r = u_n - g, (n,) [length]."""
+        return self.Normal(displacement) - self.gap
+
+    def Pressure(self, r: Array) -> Array:
+        """p_n(r), (n,) [stress]."""
+        return self._Laws("Pressure", r, lambda here, compliance, friction: compliance.Pressure(r[here]))
+
+    def PressureDerivative(self, r: Array) -> Array:
+        """p_n'(r), (n,) [stress/length]."""
+        return self._Laws("PressureDerivative", r, lambda here, compliance, friction: compliance.PressureDerivative(r[here]))
+
+    def Bound(self, r: Array, slip: Array) -> Array:
+        """p_t from penetration and slip |u_t|, (n,) [stress]; zero where there is no friction law."""
+        # One after the other, so that the one that is not finite is the one that is named.
+        pressure = self.Pressure(r)
+
+        def OfPart(here, compliance, friction):
+            return 0 if friction is None else friction.Bound(r[here], pressure[here])
+
+        def Factor(here, compliance, friction):
+            return 1 if friction is None else SlipFactor(friction, slip[here])[0]
+        return self._Laws("Bound", r, OfPart) * self._Laws("Coefficient", slip, Factor, "slip")
+
+    def Slip(self, displacement: Array) -> Array:
+        """|u_t|, (n,) [length]."""
+        return np.linalg.norm(self.Tangential(displacement), axis=1)
+
+    def _Laws(self, method, at, evaluate, word="penetration"):
+        values = np.empty(len(self.weights))
+        for _, here, compliance, friction in self.parts:
+            values[here] = evaluate(here, compliance, friction)
+        CheckFinite(self, method, values, at, word)
+        return values
+
+    def TraceProjection(self, traction: Array) -> Array:
+        """The part of a traction (n, d) that the body feels: its projection on the traces of V_h in L2(Gamma_C), (n, d).
+
+        Where the points outnumber the traces (triangles of Gamma_C at higher orders) the rest is not determined by equilibrium.
+        """
+        import scipy.sparse.linalg as spla  # slow to import
+
+        root = np.repeat(np.sqrt(self.weights), self.dim)
+        used = np.flatnonzero(np.diff(self.trace.tocsc().indptr))
+        traces = sp.diags(root) @ self.trace[:, used]
+        coefficients = spla.lsmr(traces, root * traction.ravel(), atol=1e-14, btol=1e-14, conlim=0, maxiter=10 * len(used))[0]
+        return (self.trace[:, used] @ coefficients).reshape(-1, self.dim)
+
+    def Load(self, traction: Array) -> Array:
+        """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""
+        if np.shape(traction) != self.normals.shape:
+            raise ProblemError(f"traction has shape {np.shape(traction)}; give one at the contact points, {self.normals.shape}")
+        return self.trace.T @ (self.weights[:, None] * traction).ravel()
+
+
+def SharedPoints(traces, normals, owner):
+    """The number of its contact point for every quadrature point, (m,), ascending with the first quadrature point of each.
+
+    Points are one if all displacements agree there, on facets of the same foundation (`owner`, (m,)) that form no corner.
+    traces : sparse (m, nscalar), values of the shape functions of one component at the points;  normals : (m, d)
+    """
+    gram = (traces @ traces.T).tocoo()
+    size, i, j = gram.diagonal(), gram.row, gram.col
+    same = size[i] + size[j] - 2 * gram.data < SAME * size[i]
+    same &= (owner[i] == owner[j]) & (np.einsum("md,md->m", normals[i], normals[j]) > CORNER)
+    graph = sp.coo_matrix((np.ones(same.sum()), (i[same], j[same])), shape=gram.shape)
+    labels = sp.csgraph.connected_components(graph, directed=False)[1]
+    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
+    return np.argsort(np.argsort(first))[number]
+
+
+def TraceMatrix(space, scalar, points):
+    """The sparse matrix that maps coefficients in `space` to values at volume mesh points, row p d + i for component i.
+
+    `scalar` is the space of one component; NGSolve numbers the dofs of an element component after component.
+    """
+    dim = space.mesh.dim
+    rows, columns, entries = [], [], []
+    last = None
+    for number, (x, y, z, element) in enumerate(zip(points["x"], points["y"], points["z"], points["nr"])):
+        if element != last:
+            here, last = ElementId(VOL, int(element)), element
+            function, dofs = scalar.GetFE(here), np.array(space.GetDofNrs(here)).reshape(dim, -1)
+        shape = np.array(function.CalcShape(x, y, z))
+        for component in range(dim):
+            rows.append(np.full(len(shape), number * dim + component))
+            columns.append(dofs[component])
+            entries.append(shape)
+    shape = (len(points) * dim, space.ndof)
+    return sp.csr_matrix((np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))), shape=shape)

@@ -1,0 +1,140 @@
+"""The linear problem seen from Gamma_C, with a stiffness D of Gamma_C in the factorised matrix.
+
+With A u = f - T' W t, every D >= 0 gives the same problem: if t = t_0 + D (u - u_0) for some u_0 and t_0 on Gamma_C, then
+
+    (A + T' W D T) u = f + T' W (D u_0 - t_0).
+
+What a change of t_0 - D u_0 by s does to u on Gamma_C is -S_D s, S_D = T (A + T' W D T)^-1 T' W, with one application of the
+inverse for each product.  D = 0 is the elastic body alone; D near the slope of the law makes the solution depend little on s,
+and holds a body that nothing else holds.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..exceptions import ProblemError
+from ..linear.motions import Deflation
+from ..mesh.facets import Csr, Native, Threads
+
+
+@dataclass(frozen=True)
+class Equilibrium:
+    """A u = load f - T' W t: coefficients of u (ndof,), u and t at the contact points (n, d), and the multiple of the loads."""
+
+    vector: np.ndarray
+    displacement: np.ndarray
+    traction: np.ndarray
+    load: float
+
+
+class Compliance:
+    """S_D of a Discretization or `subspace.Subspace` for a stiffness D (n, d, d), symmetric and nonnegative; None: D = 0."""
+
+    def __init__(self, disc, stiffness=None):
+        self.disc, self.contact, self.stiffness = disc, disc.contact, stiffness
+        self._inverse = disc.inverse if stiffness is None else self._Factorise()
+        motions = disc.motions if stiffness is not None and disc.unresisted else ()
+        self._deflation = Deflation(motions, disc.contact, stiffness) if len(motions) else None
+
+    def Meet(self, displacement, traction, *, load=1.0, near=None):
+        """(Equilibrium, s, S_D s): the one that meets t = traction + D (u - displacement), by one application of the inverse.
+
+        near : an Equilibrium of the same load; the difference to it is computed, s that of t - D u (n, d)
+        Without near, s and S_D s are None.
+        """
+        if near is None or near.load != load:
+            vector = self._Displacement(load, self.Restoring(displacement) - traction)
+            return self._Equilibrium(vector, displacement, traction, load), None, None
+        s = traction - near.traction - self.Restoring(displacement - near.displacement)
+        vector = near.vector - self._Solve(self.contact.Load(s))
+        equilibrium = self._Equilibrium(vector, displacement, traction, load)
+        return equilibrium, s, near.displacement - equilibrium.displacement
+
+    def Approach(self, vector, displacement, traction, *, part=1.0, most=None):
+        """The Equilibrium of `Meet` nearly, from coefficients (ndof,) nearby, by an inverse that is an iteration.
+
+        What is out of balance becomes at most `part` of what it is, and, if given, `most` of the loads; all as Euclidean norms.
+        """
+        disc = self.disc
+        load = disc.load + self.contact.Load(self.Restoring(displacement) - traction)
+        excess = load - disc.Multiply(vector) - self.contact.Load(self.Restoring(self.contact.Displacement(vector)))
+        goal = part * np.linalg.norm(excess)
+        if most is not None:
+            goal = min(goal, most * np.linalg.norm(disc.load))
+        vector = disc.Iterate(self._inverse, load, tol=goal / (np.linalg.norm(load) or 1), start=vector)
+        if self._deflation:
+            vector = self._deflation.Balance(vector, load)
+        return self._Equilibrium(vector, displacement, traction, 1.0)
+
+    def _Equilibrium(self, vector, displacement, traction, load):
+        u = self.contact.Displacement(vector) + load * self.disc.shift
+        return Equilibrium(vector, u, traction + self.Restoring(u - displacement), load)
+
+    def Response(self, s):
+        """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
+        return self.contact.Displacement(self._Solve(self.contact.Load(s)))
+
+    def Restoring(self, displacement):
+        """D u, the traction of the stiffness in the matrix, (n, d)."""
+        return np.zeros_like(displacement) if self.stiffness is None else Apply(self.stiffness, displacement)
+
+    def _Displacement(self, load, pull):
+        """Coefficients of u under a multiple of the loads and prescribed displacements and a traction on the body, (ndof,)."""
+        disc = self.disc
+        lift = load * disc.prescribed
+        force, there = load * disc.load, load * disc.shift
+        if np.any(lift):
+            force, there = force - disc.Multiply(lift), there + self.contact.Displacement(lift)
+        if np.any(there):
+            pull = pull - self.Restoring(there)
+        vector = lift + self._Solve(force + self.contact.Load(pull))
+        if not np.all(np.isfinite(vector)):
+            raise ProblemError("the elastic matrix cannot be factorised: the response to the loads is not finite; look for "
+                               "coefficients of extreme size and for degenerate elements")
+        return vector
+
+    def _Solve(self, load):
+        if self._deflation:
+            return self._deflation.Solve(self._Inverse, load)
+        return self._Inverse(load)
+
+    def _Inverse(self, load):
+        return self.disc.ApplyInverse(self._inverse, load)
+
+    def _Factorise(self):
+        """The inverse of A + T' W D T."""
+        disc, contact = self.disc, self.contact
+        n, dim = contact.normals.shape
+        weighted = contact.weights[:, None, None] * self.stiffness
+        diagonal = sp.bsr_matrix((weighted, np.arange(n), np.arange(n + 1)), shape=(n * dim, n * dim)).tocsr()
+        added = (contact.trace.T @ diagonal @ contact.trace).tocsr()
+        with Threads(disc.mesh):
+            positions = _Positions(disc.matrix, added)
+            if positions is None:
+                return disc.Factorise(Native(Csr(disc.matrix) + added))
+            # In a matrix of its own: another thread, or an inverse that is an iteration, goes on using that of the body.
+            matrix = disc.matrix.CreateMatrix()
+            matrix.AsVector().data = disc.matrix.AsVector()
+            matrix.AsVector().FV().NumPy()[positions] += added.data
+            return disc.Factorise(matrix)
+
+
+def Apply(matrices, vectors):
+    """Products of matrices (n, d, d) and vectors (n, d)."""
+    return np.einsum("nij,nj->ni", matrices, vectors)
+
+
+def _Positions(matrix, added):
+    """Where among the entries of an NGSolve matrix those of a CSR matrix are, or None."""
+    _, columns, starts = (np.asarray(part) for part in matrix.CSR())
+    positions = np.empty(added.nnz, dtype=np.int64)
+    for row in np.flatnonzero(np.diff(added.indptr)):
+        here, first = slice(*added.indptr[row:row + 2]), starts[row]
+        own = columns[first:starts[row + 1]]
+        found = np.searchsorted(own, added.indices[here])
+        if not np.array_equal(own[np.minimum(found, len(own) - 1)], added.indices[here]):
+            return None
+        positions[here] = first + found
+    return positions

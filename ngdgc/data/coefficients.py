@@ -1,0 +1,93 @@
+"""Numbers, tuples and CoefficientFunctions as data: one conversion and one check for all of them."""
+
+import numpy as np
+from ngsolve import CF, CoefficientFunction, Parameter
+
+from ..exceptions import ProblemError
+from ..tools.values import IsNumber, Number
+from .inside import FromInside, OnBoundary
+
+
+LOADBONUS = 2       # quadrature degrees for loads and prescribed values that are no polynomials of the displacement's order
+
+
+def Scalar(value, name):
+    """A finite float or a scalar CoefficientFunction, else ProblemError."""
+    if IsNumber(value):
+        if not np.isfinite(number := float(Number(value))):
+            raise ProblemError(f"{name} is {value}; give a finite number or a CoefficientFunction")
+        return number
+    if not isinstance(value, CoefficientFunction):
+        raise ProblemError(f"{name} is {value!r}; give a number or a scalar CoefficientFunction")
+    if value.is_complex:
+        raise ProblemError(f"{name} is complex; give a real CoefficientFunction")
+    if value.dim != 1:
+        raise ProblemError(f"{name} has {value.dim} components; give a scalar")
+    return value
+
+
+def Vector(value, name):
+    """A CoefficientFunction with 2 or 3 components; a tuple of numbers or CoefficientFunctions, or an array will do."""
+    if isinstance(value, (tuple, list)) or isinstance(value, np.ndarray) and value.ndim == 1:
+        value = CF(tuple(Scalar(component, f"component {number} of {name}") for number, component in enumerate(value, start=1)))
+    if not isinstance(value, CoefficientFunction) or value.dim not in (2, 3):
+        shape = f"{value.dim} component(s)" if isinstance(value, CoefficientFunction) else repr(value)
+        raise ProblemError(f"{name} is {shape}; give a vector with one component per dimension, "
+                           "for example CF((0, 0))")
+    if value.is_complex:
+        raise ProblemError(f"{name} is complex; give a real CoefficientFunction")
+    return value
+
+
+def Unfolded(value):
+    """The same coefficient, kept by NGSolve even where it is zero: an integrand that folds to 0 is an error there."""
+    return CF(value) + Parameter(0) * (CF(1) if CF(value).dim == 1 else CF((1,) * CF(value).dim))
+
+
+def OnFacets(problem, kind, region, mesh):
+    """What a problem prescribes on a region, kind "dirichlet", "roller" or "traction", for integrals ds(skeleton=True)."""
+    value = getattr(problem, kind)[region]
+    return Unfolded(FromInside(value, mesh.Boundaries(region), f"{kind}[{region!r}]"))
+
+
+def Pointwise(law):
+    """True if some datum of the law is a CoefficientFunction, so that it can be evaluated only at points."""
+    return any(isinstance(value, CoefficientFunction) for value in getattr(law, "__dict__", {}).values())
+
+
+def CheckNumber(value, name, *, above=None, least=None):
+    """Range check of plain numbers; CoefficientFunctions are checked where they are evaluated."""
+    if IsNumber(value):
+        CheckRange(np.asarray(value), name, above=above, least=least)
+
+
+def CheckRange(values, name, *, above=None, least=None, Where=lambda values, wrong: ""):
+    """Raise ProblemError unless all values are finite, > above and >= least; Where(values, mask of wrong ones) says where."""
+    values = np.asarray(values)
+    if not np.all(np.isfinite(values)):
+        raise ProblemError(f"{name} is not finite at {np.sum(~np.isfinite(values))} of {values.size} points; "
+                           "look for a division by zero or a root of a negative number")
+    if above is not None and np.any(values <= above):
+        raise ProblemError(f"{name} is {values.min():g}{Where(values, values <= above)}; it must be greater than {above:g}")
+    if least is not None and np.any(values < least):
+        raise ProblemError(f"{name} is {values.min():g}; it must be at least {least:g}")
+
+
+def ValuesAt(value, points, name, region=None):
+    """Values of a number or scalar CoefficientFunction at mesh points, as a finite array (npoints,).
+
+    region : mesh.Boundaries(...), for points on it; the values there are those inside the body
+    """
+    return np.full(len(points), float(value)) if IsNumber(value) else VectorsAt(value, points, name, region)[:, 0]
+
+
+def VectorsAt(value, points, name, region=None):
+    """Values of a vector CoefficientFunction at mesh points, as a finite array (npoints, d); `region` as for `ValuesAt`."""
+    function = value if region is None else OnBoundary(value, region, name)
+    try:
+        values = np.asarray(function(points), dtype=float).reshape(len(points), value.dim)
+    except Exception as error:
+        raise ProblemError(f"{name} cannot be evaluated on the mesh: {str(error).strip()}; give a number or a "
+                           "CoefficientFunction that has values there") from error
+    CheckRange(values, name)
+    return values

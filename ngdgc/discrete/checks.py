@@ -1,0 +1,80 @@
+"""A problem held against a mesh: every mistake in regions and data is named before anything is solved."""
+
+import numpy as np
+from ngsolve import Mesh
+
+from ..data.coefficients import ValuesAt, VectorsAt
+from ..data.inside import CheckMaterials
+from ..data.regions import Matching
+from ..exceptions import ProblemError
+from ..mesh.checks import CheckBoundary, CheckElements, CheckSides
+from ..mesh.facets import VolumePoints
+from ..mesh.quadrature import BoundaryQuadrature
+
+CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
+
+
+def CheckMesh(problem, mesh):
+    """Raise ProblemError unless the mesh is one, of the dimension of the problem."""
+    if not isinstance(mesh, Mesh):
+        raise ProblemError(f"mesh is {mesh!r}; give an ngsolve.Mesh, for example Mesh(geometry.GenerateMesh(maxh=0.1))")
+    if mesh.dim not in (2, 3) or mesh.ne == 0:
+        raise ProblemError(f"the mesh has dimension {mesh.dim} and {mesh.ne} volume elements; "
+                           "a contact problem needs a mesh of an area in 2D or a volume in 3D")
+    if problem.dim not in (None, mesh.dim):
+        raise ProblemError(f"the mesh has dimension {mesh.dim}, the data of the problem have {problem.dim} "
+                           "components; give both the same dimension")
+    CheckElements(mesh)
+
+
+def CheckRegions(problem, mesh, facets):
+    """Every region exists, lies on the outer boundary and overlaps no other, and sides of elements are what they seem."""
+    CheckSides(facets)
+    names, found = np.array(mesh.GetBoundaries()), []
+    for kind, region in problem.Regions():
+        Matching(mesh, region, kind, there=facets.boundary[1], note="; Gamma_C would be empty" if kind == "foundation" else "")
+        on = facets.On(region)
+        for firstkind, firstregion, first in found:
+            # A roller prescribes the normal component only, so a tangential traction may act there.
+            if np.any(on & first) and {firstkind, kind} != {"roller", "traction"}:
+                number, regions, _ = facets.boundary
+                shared = " and ".join(repr(str(name)) for name in np.unique(names[regions[(on & first)[number]]]))
+                raise ProblemError(f"boundary {shared} is claimed twice, by {firstkind} {firstregion!r} and by {kind} "
+                                   f"{region!r}; the parts of the boundary must not overlap: give it to one of them")
+        found.append((kind, region, on))
+        CheckBoundary(facets, region)
+        if np.any(facets.neighbours[on] > 1):
+            raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
+                               "conditions are for the outer boundary only: rename the interface or the region")
+
+
+def CheckData(problem, mesh, facets):
+    """All coefficients are finite, of the right shape and in range at quadrature points."""
+    volume = VolumePoints(mesh, CHECK_ORDER)
+    problem.material.Check(mesh, volume)
+    for name, value in vars(problem.material).items():
+        for entry in np.ravel(np.array(value, dtype=object)):   # of a matrix, too
+            CheckMaterials(entry, mesh, name)
+    if problem.bodyforce is not None:
+        VectorsAt(problem.bodyforce, volume, "bodyforce")
+    for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt)):
+        for region, value in getattr(problem, kind).items():
+            points = BoundaryQuadrature.On(facets, region, CHECK_ORDER).points
+            at(value, points, f"{kind}[{region!r}]", mesh.Boundaries(region))
+    CheckRollerTractions(problem, facets)
+
+
+def CheckRollerTractions(problem, facets):
+    """A traction on a roller is tangential: the normal one is the reaction to the prescribed displacement."""
+    rollers = np.any([facets.On(region) for region in problem.roller], axis=0)
+    for region, value in problem.traction.items():
+        if not np.any(facets.On(region) & rollers):
+            continue
+        quadrature = BoundaryQuadrature.On(facets, region, CHECK_ORDER)
+        traction = VectorsAt(value, quadrature.points, f"traction[{region!r}]", facets.mesh.Boundaries(region))
+        normal = np.einsum("nd,nd->n", traction, quadrature.normals)
+        # Tractions computed from a stress state carry its round-off, whose size is that of the modulus.
+        roundoff = 1e-12 * problem.material.ShearAt(quadrature.inside).max()
+        if np.abs(normal).max() > 1e-10 * np.abs(traction).max() + roundoff:
+            raise ProblemError(f"traction[{region!r}] has a normal component on a roller, where the normal displacement is "
+                               "prescribed; give the tangential part alone")

@@ -1,0 +1,166 @@
+"""What holds a body: its rigid motions, and how much supports, foundations and added springs resist them."""
+
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from ngsolve import CF, L2, GridFunction
+
+from ..exceptions import ProblemError
+from ..mesh.facets import Projected, RigidMotions, RigidMotionsAt
+from ..mesh.quadrature import BoundaryQuadrature
+
+SOFT = 1e-3         # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
+NOTHING = 1e-12     # of the energy of a motion, relative to the sizes of its terms
+ORDER = 4           # of the quadrature on supports
+DEPTHS = 10.0 ** np.arange(-6, 1)   # penetrations at which a foundation may resist, in units of the extent of the body
+
+
+class Restraints:
+    """Rigid motions of the parts of a body and what resists them.
+
+    added : scipy matrix of added forms on `space`, or None
+
+    Attributes
+    ----------
+    loose : words for the motions that neither dirichlet nor roller resist, or None
+    unresisted : words for those that added forms do not resist either, so that only contact does, or None
+    """
+
+    def __init__(self, problem, facets, contact, space, added):
+        self.facets, self.contact = facets, contact
+        self._supports, self._foundations = Supports(problem, facets, contact)
+        self._springs = np.zeros_like(self._supports) if added is None else Springs(facets, space, added)
+
+    @cached_property
+    def loose(self):
+        return FreeMotion(self.facets, self._supports)
+
+    @cached_property
+    def unresisted(self):
+        return self.loose and FreeMotion(self.facets, self._supports, self._springs)
+
+    @property
+    def soft(self):
+        """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite where dirichlet and roller do not, or None."""
+        if not self.loose:
+            return None
+        contact = self.contact
+        weights = np.repeat(SOFT / contact.flexibility * contact.weights, contact.dim)
+        return (contact.trace.T @ sp.diags(weights) @ contact.trace).tocsr()
+
+    def Check(self):
+        """Raise ProblemError for a body with a rigid motion that nothing resists."""
+        if free := self.unresisted and FreeMotion(self.facets, self._supports, self._springs, self._foundations):
+            raise ProblemError(f"the body floats: nothing resists {free}, neither dirichlet nor roller nor a foundation with a "
+                               "stiffness nor an added form; hold it with dirichlet or roller")
+
+
+def Supports(problem, facets, contact):
+    """How much dirichlet and roller, and how much foundations resist rigid motions, two arrays (parts, modes, modes).
+
+    A motion is resisted where the displacement it causes is prescribed, on all components or on the normal one; a
+    foundation resists normal motion where its pressure at some depth is positive, and tangential motion where friction is.
+    """
+    parts, modes = facets.component.max() + 1, len(RigidMotionsAt(np.zeros((1, facets.mesh.dim))))
+    held, touched = np.zeros((2, parts, modes, modes))
+    for kind, region in problem.Regions():
+        if kind in ("dirichlet", "roller"):
+            quadrature = BoundaryQuadrature.On(facets, region, ORDER)
+            motions = _CentredMotions(facets, quadrature.coordinates, quadrature.elements)
+            if kind == "roller":
+                motions = np.einsum("cmnd,nd->cmn", motions, quadrature.normals)[..., None]
+            held += np.einsum("camd,cbmd,m->cab", motions, motions, quadrature.weights)
+    motions = _CentredMotions(facets, contact.coordinates, contact.inside["nr"])
+    across = np.einsum("cmnd,nd->cmn", motions, contact.normals)[..., None]
+    along = motions - across * contact.normals
+    for resisted, resists in zip((across, along), _Resistance(facets, contact)):
+        touched += np.einsum("camd,cbmd,m->cab", resisted, resisted, contact.weights * resists)
+    return held, touched
+
+
+def _Resistance(facets, contact):
+    """(pressure, friction): True where the law gives one at some depth up to the size of the body, over contact points."""
+    pressed, rubbed = np.zeros((2, len(contact.weights)), dtype=bool)
+    for _, here, compliance, friction in contact.parts:
+        for depth in _Centres(facets)[1] * DEPTHS:
+            r = np.full(here.stop - here.start, depth)
+            with np.errstate(all="ignore"):     # a law may end at some penetration
+                pressure = compliance.Pressure(r)
+                pressed[here] |= pressure > 0
+                if friction is not None:
+                    rubbed[here] |= friction.Bound(r, pressure) > 0
+    return pressed, rubbed
+
+
+def FreeMotion(facets, *resistances):
+    """Words for the rigid motions that nothing of (parts, modes, modes) resists, or None."""
+    # Each by its own size: they have different units.
+    sizes = [np.trace(grams, axis1=1, axis2=2)[:, None, None] for grams in resistances]
+    total = sum(grams / np.where(size > 0, size, 1) for grams, size in zip(resistances, sizes))
+    for part, gram in enumerate(total):
+        # The modes are scaled to the body, so zero means zero to round-off.
+        free = _Null(gram)
+        if len(free):
+            return _Words(free, facets, part)
+    return None
+
+
+def Springs(facets, space, matrix):
+    """How much a matrix (scipy) on a space resists rigid motions, matrices (parts, modes, modes) of no unit."""
+    dim, (centres, size) = facets.mesh.dim, _Centres(facets)
+    here, grams = GridFunction(L2(facets.mesh, order=0)), []
+    for part, centre in enumerate(centres):
+        here.vec.FV().NumPy()[:] = facets.component == part
+        modes = []
+        for mode, shift in zip(RigidMotions(dim), RigidMotionsAt(centre[None])):
+            turning = len(modes) >= dim
+            modes.append(Projected(space, here * ((mode - CF(tuple(shift[0]))) / size if turning else mode)))
+        gram = np.array(modes) @ (matrix @ np.array(modes).T)
+        values, vectors = np.linalg.eigh(gram + gram.T)
+        # What pushes does not resist, and the round-off of a form that no rigid motion feels is no resistance either.
+        size = np.trace(np.abs(modes) @ (abs(matrix) @ np.abs(modes).T))
+        gram = (vectors * np.where(values > NOTHING * size, values, 0)) @ vectors.T
+        grams.append(gram / (np.trace(gram) or 1))
+    return np.array(grams)
+
+
+def _Null(gram):
+    values, vectors = np.linalg.eigh(gram)
+    return vectors[:, values <= 1e-10 * np.trace(gram)].T
+
+
+def _CentredMotions(facets, coordinates, elements):
+    """Rigid motions of every connected part at points in elements, (parts, modes, n, d), scaled to the size of the body."""
+    centres, size = _Centres(facets)
+    parts = facets.component[elements]
+    motions = RigidMotionsAt((coordinates - centres[parts]) / size)
+    return np.array([motions * (parts == part)[None, :, None] for part in range(len(centres))])
+
+
+def _Centres(facets):
+    """(centres (parts, d) of the connected parts, size of the body), from the vertices of elements: there may be others."""
+    points, parts = facets.mesh.ngmesh.Coordinates()[:, :facets.mesh.dim], facets.component
+    members = []
+    for part in range(parts.max() + 1):
+        inside = np.zeros(len(points) + 1, dtype=bool)      # the last one for the -1 that fill up
+        inside[facets.vertices[parts == part]] = True
+        members.append(points[inside[:-1]])
+    return np.array([member.mean(axis=0) for member in members]), np.ptp(np.concatenate(members), axis=0).max()
+
+
+def _Words(null, facets, part):
+    """Words for a basis of free motions, over translations and rotations."""
+    dim = facets.mesh.dim
+    centre = _Centres(facets)[0][part]
+    words = [f"translation along {axis}" for axis in "xyz"[:dim]]
+    if dim == 2:
+        words.append(f"rotation about ({centre[0]:.3g}, {centre[1]:.3g})")
+    else:
+        words += [f"rotation about an axis along {axis} through ({', '.join(f'{c:.3g}' for c in centre)})" for axis in "xyz"]
+    basis = []
+    for vector in null:
+        leading = np.argsort(-np.abs(vector))
+        basis.append(" with ".join(words[i] for i in leading if abs(vector[i]) > 0.1))
+    where = f" in part {part + 1} of the mesh" if facets.component.max() else ""
+    return " and ".join(basis) + where

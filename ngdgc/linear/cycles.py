@@ -1,0 +1,77 @@
+"""Symmetric cycles of smoothers and corrections, of which the preconditioners consist."""
+
+from itertools import chain, pairwise
+
+import numpy as np
+from ngsolve import VOL
+
+from ..mesh.facets import Csr, Native
+
+
+def Corners(space):
+    """(element, dof) of all dofs of all elements of a space, sorted, two arrays."""
+    dofs = [element.dofs for element in space.Elements(VOL)]
+    elements = np.repeat(np.arange(len(dofs)), [len(row) for row in dofs])
+    keys = np.sort(elements * space.ndof + np.fromiter(chain.from_iterable(dofs), dtype=np.int64, count=len(elements)))
+    return keys // space.ndof, keys % space.ndof
+
+
+def Groups(keys, values):
+    """Lists of the values with the same key, by increasing key: the blocks of a block smoother."""
+    order = np.argsort(keys, kind="stable")
+    bounds = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1)).tolist()
+    values = values[order].tolist()
+    return [values[a:b] for a, b in pairwise(bounds)]
+
+
+def Entries(operator):
+    """A scipy copy of an NGSolve matrix between spaces without what is round-off, CSR."""
+    matrix = Csr(operator)
+    matrix.data[np.abs(matrix.data) <= 1e-12 * np.abs(matrix.data).max()] = 0
+    matrix.eliminate_zeros()
+    return matrix
+
+
+def Galerkin(matrix, embedding):
+    """E' A E without the unsymmetry of round-off, scipy CSR."""
+    product = (embedding.T @ (matrix @ embedding)).tocsr()
+    return (product + product.T) / 2
+
+
+class Correction:
+    """x += E C E' (b - A x), a step of a cycle for NGSolve's A.
+
+    embedding : E, scipy;  coarse : symmetric C, with Mult(b, x)
+    """
+
+    def __init__(self, matrix, embedding, coarse):
+        self.matrix, self.coarse = matrix, coarse
+        self.embedding = Native(embedding)
+        self.restriction = self.embedding.CreateTranspose()
+        self.rest = matrix.CreateColVector()
+        self.source, self.target = self.restriction.CreateColVector(), self.embedding.CreateRowVector()
+
+    def Smooth(self, x, b):
+        self.rest.data = b - self.matrix * x
+        self.source.data = self.restriction * self.rest
+        self.coarse.Mult(self.source, self.target)
+        x.data += self.embedding * self.target
+
+    SmoothBack = Smooth
+
+
+class Cycle:
+    """x = P b: all steps from zero, then all but the last backwards; P is symmetric.
+
+    steps : block smoothers of NGSolve and `Correction`s, with Smooth(x, b) and its adjoint SmoothBack(x, b)
+    """
+
+    def __init__(self, *steps):
+        self.steps = steps
+
+    def Mult(self, b, x):
+        x[:] = 0
+        for step in self.steps:
+            step.Smooth(x, b)
+        for step in self.steps[-2::-1]:
+            step.SmoothBack(x, b)

@@ -1,0 +1,81 @@
+"""Linear equations of a body: a matrix, its inverse, and what they have cost."""
+
+import time
+from abc import ABC, abstractmethod
+from threading import RLock
+from typing import Any
+
+import numpy as np
+
+from ..contracts import Array
+from ..exceptions import ProblemError
+from ..mesh.facets import Threads
+from ..tools.calls import ByKeyword
+
+
+@ByKeyword
+class LinearEquations(ABC):
+    """A x = b with symmetric or unsymmetric sparse matrices on one space, solved as `inversekind` says.
+
+    Who inherits has `mesh`, `matrix`, NGSolve's A, and `inversekind`, a name of the `linear.choice` module.
+
+    Attributes
+    ----------
+    solves : how often an inverse was applied;  factorisation : seconds that factorisations, or preconditioners, took
+    cycles : steps of conjugate gradients in `Iterate`
+    lock : held while an inverse is made or applied, and by a solver for all its run: threads wait for each other
+    """
+
+    mesh: Any
+    matrix: Any
+
+    def __init__(self) -> None:
+        self.solves, self.factorisation, self.cycles = 0, 0.0, 0
+        self.lock = RLock()
+
+    @abstractmethod
+    def Inverse(self, matrix: Any) -> Any:
+        """The inverse of a matrix on the free dofs, which nobody counts."""
+
+    def Factorise(self, matrix: Any) -> Any:
+        """The inverse of a matrix on the free dofs; symmetric if A is."""
+        with self.lock, Threads(self.mesh):
+            start = time.perf_counter()
+            inverse = self.Inverse(matrix)
+            self.factorisation += time.perf_counter() - start
+        return inverse
+
+    def Multiply(self, vector: Array) -> Array:
+        """A x, (ndof,) -> (ndof,)."""
+        return self._Apply(self.matrix, vector)
+
+    def ApplyInverse(self, inverse: Any, load: Array) -> Array:
+        """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`."""
+        with self.lock:
+            self.solves += 1
+            return self._Apply(inverse, load)
+
+    def Iterate(self, inverse: Any, load: Array, *, tol: float, start: Array) -> Array:
+        """The same from a start (ndof,) and to a tolerance, by an `linear.conjugategradients.IterativeInverse`."""
+        with self.lock:
+            before = inverse.iterations
+            vector = inverse.Solve(load, tol=tol, start=start)
+            self.solves, self.cycles = self.solves + 1, self.cycles + inverse.iterations - before
+            return vector
+
+    def _Apply(self, operator, vector):
+        if np.shape(vector) != (self.matrix.width,):
+            raise ProblemError(f"a vector of shape {np.shape(vector)} is given; give the {self.matrix.width} coefficients of a "
+                               "function in the space")
+        source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
+        source.FV().NumPy()[:] = vector
+        with Threads(self.mesh):
+            target.data = operator * source
+        return target.FV().NumPy().copy()
+
+
+def CheckDiscretization(disc: Any) -> None:
+    """Raise ProblemError unless it is a Discretization."""
+    if not isinstance(disc, LinearEquations) or not hasattr(disc, "problem"):
+        raise ProblemError(f"disc is {disc!r}; give Discretization(problem, method, mesh, order=1), that of a solution is "
+                           "solution.disc")

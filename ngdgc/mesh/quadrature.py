@@ -1,0 +1,130 @@
+"""Quadrature on boundary regions, with outward normals and the points in the elements inside."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from ngsolve import ET, QUAD, SEGM, TRIG, IntegrationRule, specialcf
+
+from ..exceptions import ProblemError
+from .checks import Sides
+from .facets import REFERENCE_VERTICES, TYPES, Coordinates
+
+SAME = 1e-9     # distance of two points that are one, relative to the largest coordinate
+BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
+
+
+@dataclass(frozen=True)
+class BoundaryQuadrature:
+    """Points of a quadrature rule on a boundary region, n points in d dimensions.
+
+    `points` are NGSolve mesh points on the boundary and `inside` the same points in the adjacent volume elements;
+    `coordinates` (n, d), `normals` (n, d) outward, `weights` (n,) contain the surface measure; `elements` (n,) is the
+    number of the adjacent volume element, `facets` (n,) of the boundary element.
+    """
+
+    points: np.ndarray
+    inside: np.ndarray
+    coordinates: np.ndarray
+    normals: np.ndarray
+    weights: np.ndarray
+
+    @property
+    def elements(self):
+        return self.inside["nr"]
+
+    @property
+    def facets(self):
+        return self.points["nr"]
+
+    @classmethod
+    def On(cls, facets, region, rules, *, side=0):
+        """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules.
+
+        side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
+
+        Every side of an element counts once, however often the mesh has it; boundary elements that are none do not count.
+        Raises ProblemError for boundary elements that are curved otherwise than the elements.
+        """
+        mesh, dim = facets.mesh, facets.mesh.dim
+        rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
+        points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
+        points = points[Sides(facets, region)[points["nr"]]]
+        jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)
+        measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))
+        weights, inside, normals = measure.copy(), points.copy(), np.empty((len(points), dim))
+        inside["VorB"] = 0
+        starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))
+        facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
+        volumes = facets.incidence.indices[facets.incidence.indptr[facet] + np.minimum(side, facets.neighbours[facet] - 1)]
+        around = facets.vertices[volumes]
+        # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
+        corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)
+        kinds, kind = np.unique(np.column_stack([corner, (around >= 0).sum(axis=1)]), axis=0, return_inverse=True)
+        for number, (*local, count) in enumerate(kinds):
+            members = np.flatnonzero(kind.ravel() == number)
+            et = TYPES[dim - 1][sum(one >= 0 for one in local)]
+            here = starts[members][:, None] + np.arange(len(rules[et]))
+            weights[here] *= rules[et].weights
+            reference = np.array(REFERENCE_VERTICES[TYPES[dim][count]], dtype=float)
+            corners = reference[[one for one in local if one >= 0]]
+            normals[here] = ReferenceNormal(corners, reference.mean(axis=0), dim)
+            inside["nr"][here] = volumes[members][:, None]
+            at = VertexFunctions(et, points["x"][here].ravel(), points["y"][here].ravel()) @ corners
+            for axis, values in zip("xyz", at.T):
+                inside[axis][here] = values.reshape(here.shape)
+        # NGSolve's normal at boundary points follows the orientation of the boundary element, which may point into the body
+        # (holes, mirrored meshes); the reference normal of the adjacent element, mapped as a covector, always points outward.
+        mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)
+        normals = np.linalg.solve(np.swapaxes(mapping, 1, 2), normals[..., None])[..., 0]
+        coordinates, beside = (np.asarray(Coordinates(dim)(at)).reshape(-1, dim) for at in (points, inside))
+        gap = np.abs(coordinates - beside).max(initial=0)
+        if gap > SAME * np.abs(coordinates).max(initial=0):
+            raise ProblemError(f"boundary elements of region {region!r} lie up to {gap:.3g} off the sides of their elements; "
+                               "both must have the same points in the middle of edges: make the mesh again, or take Curve")
+        return cls(points=points, inside=inside, weights=weights, coordinates=coordinates,
+                   normals=normals / np.linalg.norm(normals, axis=1)[:, None])
+
+
+def NodalRules(order):
+    """Rules for traces of continuous functions of degree k, {boundary element type: IntegrationRule}.
+
+    On edges and quadrilaterals Gauss-Lobatto's k + 1 points in each direction, of degree 2 k - 1; on triangles the vertices for
+    k = 1 and NGSolve's rule of degree 2 k - 2 else, which for k = 2 are the midpoints of the edges.
+    """
+    legendre = np.polynomial.legendre.Legendre.basis(order)
+    nodes = np.concatenate([[-1], legendre.deriv().roots(), [1]])
+    weights = 1 / (order * (order + 1) * legendre(nodes) ** 2)
+    nodes = (1 + nodes) / 2
+    vertices = IntegrationRule([(0, 0), (1, 0), (0, 1)], [1 / 6] * 3)
+    return {SEGM: IntegrationRule([(s,) for s in nodes], weights.tolist()),
+            QUAD: IntegrationRule([(s, t) for s in nodes for t in nodes], np.outer(weights, weights).ravel().tolist()),
+            TRIG: vertices if order == 1 else IntegrationRule(TRIG, 2 * order - 2)}
+
+
+def ReferenceNormal(corners, centre, dim):
+    """Normal of a facet of the reference element, (dim,), pointing away from its centre; any length."""
+    edges = (corners - corners[0])[1:, :dim]
+    normal = np.array([edges[0][1], -edges[0][0]]) if dim == 2 else np.cross(edges[0], edges[1])
+    return normal * np.sign(normal @ (corners[0] - centre)[:dim])
+
+
+def VertexFunctions(et, s, t):
+    """Values of the vertex functions of a facet's reference element, (points, vertices)."""
+    if et == ET.SEGM:
+        return np.stack([s, 1 - s], axis=1)
+    if et == ET.TRIG:
+        return np.stack([s, t, 1 - s - t], axis=1)
+    return np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
+
+
+def ContactRules(method, dim, order):
+    """Rules of the quadrature on Gamma_C, as for `BoundaryQuadrature.On`.
+
+    With more points than traces u_t = 0 at the points of a sticking facet would over-determine u, and t not be unique.  Fewer
+    suffice, but Gauss' k points on edges of conforming elements do not: tractions of alternating sign would
+    hardly load any node, and S have eigenvalues of O(h^3) where O(h) is natural.
+    """
+    if not method.discontinuous:
+        return NodalRules(order)
+    # NGSolve's rule of degree 6 for triangles has 12 points for 10 traces.
+    return 2 * order if dim == 2 or order != 3 else 2 * order - 2

@@ -1,0 +1,71 @@
+"""What the body presses against: a boundary with its laws and a gap, (2.7)-(2.9) and (2.12) of Xiao, Wang, Han 2018."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..contracts import Compliance, Datum, Friction
+from ..data.coefficients import Pointwise, Scalar
+from ..data.regions import RegionName
+from ..exceptions import ProblemError
+from ..tools.calls import ByKeyword
+from ..tools.formula import Described
+from .hypotheses import CheckCompliance, CheckFriction, CheckLaws, LawReport
+from .laws import ComplianceLaw, FrictionLaw
+from .userlaws import LawName, Watched
+
+@ByKeyword
+@dataclass(frozen=True)
+class Foundation:
+    """A deformable foundation under the boundary region `boundary` (a regular expression, as in NGSolve).
+
+    `compliance` is a ComplianceLaw; `friction` a FrictionLaw or None for a frictionless foundation; `gap` the initial
+    distance g [length] along the outward normal, number or scalar CoefficientFunction.  The theory wants g >= 0
+    (2.12); the formulas hold for negative g, a body that starts inside its foundation, and it is accepted.
+
+    Raises ProblemError if a derivative that a law returns is not that of its pressure, bound or slip factor, if one of these
+    is negative, or if the pressure is not zero without penetration (2.13).
+
+    >>> from ngdgc import NormalCompliance, TrescaFriction
+    >>> Foundation("bottom", NormalCompliance(450), friction=TrescaFriction(1), gap=0.05).gap
+    0.05
+    """
+
+    boundary: str
+    compliance: Any
+    friction: Any = None
+    gap: Any = 0.0
+    __repr__ = Described
+
+    if TYPE_CHECKING:
+        def __init__(self, boundary: str, compliance: Compliance, friction: Friction | None = None,
+                     gap: Datum = 0.0) -> None: ...
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "boundary", RegionName(self.boundary, "foundation"))
+        if not _Has(self.compliance, "Pressure", "PressureDerivative"):
+            raise ProblemError(f"compliance is {self.compliance!r}; give a law such as NormalCompliance(stiffness=450), an "
+                               "object with Pressure(r) and PressureDerivative(r)")
+        if self.friction is not None and not _Has(self.friction, "Bound"):
+            raise ProblemError(f"friction is {self.friction!r}; give a law such as CoulombFriction(0.3), an object with "
+                               "Bound(r, p), or None")
+        object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
+        where = f"on the foundation of {self.boundary!r}"
+        if not Pointwise(self.compliance):
+            CheckCompliance(Watched(self.compliance), 1, f"{LawName(self.compliance)} {where}")
+        if self.friction is not None and not Pointwise(self.friction):
+            CheckFriction(Watched(self.friction), np.ones(1), np.ones(1), f"{LawName(self.friction)} {where}")
+
+    def Check(self, *, depth: float = 1.0, slip: float = 1.0) -> LawReport:
+        """The `LawReport` of both laws for penetrations up to `depth` and slips up to `slip` [length]; see `CheckLaws`."""
+        return CheckLaws(self.compliance, self.friction, depth=depth, slip=slip)
+
+
+def _Has(law, *methods):
+    """True if the law has these methods of its own, not those of the base classes that only say what is missing."""
+    own = [getattr(type(law), method, None) for method in methods]
+    return all(callable(method) and method not in (ComplianceLaw.Pressure, ComplianceLaw.PressureDerivative, FrictionLaw.Bound)
+               for method in own)

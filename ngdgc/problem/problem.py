@@ -1,0 +1,116 @@
+"""The continuous problem (2.3)-(2.9): a body, its supports and loads, and the foundations it touches."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NoReturn
+
+from ..contracts import Datum, VectorDatum
+from ..data.coefficients import Scalar, Vector
+from ..data.regions import RegionName
+from ..exceptions import ProblemError
+from ..tools.calls import ByKeyword
+from ..tools.formula import Described
+from .foundation import Foundation
+from .materials import AnisotropicMaterial, HookeMaterial
+
+
+@ByKeyword
+@dataclass(frozen=True)
+class ContactProblem:
+    """Find u with a(u, v-u) + j(u,v) - j(u,u) >= (f, v-u) for all admissible v, (2.14)-(2.15).
+
+    Parameters
+    ----------
+    material : HookeMaterial or AnisotropicMaterial
+    foundation : Foundation, or a sequence of them for several foundations
+    dirichlet : {region: vector}, displacement u = u_D [length] on all components
+    roller : {region: scalar}, normal displacement u_n [length]; the tangential traction is zero there
+    traction : {region: vector}, sigma n = f_2 [stress]
+    bodyforce : vector f_1 [stress/length] or None
+
+    Regions are NGSolve's regular expressions over boundary names ("left|bottom").  Boundaries that are not named are
+    free.  Vectors are CoefficientFunctions, or tuples, with d components.
+
+    Raises ProblemError for anything that is not of these types, and, once a mesh is known (`Discretization`), for
+    names that match nothing, regions that overlap, values that are not finite, and motions that nothing resists.
+
+    >>> from ngsolve import CF
+    >>> from ngdgc import *
+    >>> ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)),
+    ...                dirichlet={"top": CF((0, -0.1))}).dim
+    2
+    """
+
+    material: Any
+    foundation: Any
+    dirichlet: Any = None
+    roller: Any = None
+    traction: Any = None
+    bodyforce: Any = None
+    __repr__ = Described
+
+    if TYPE_CHECKING:       # what is given; what is kept is converted
+        def __init__(self, material: HookeMaterial | AnisotropicMaterial, foundation: Foundation | Sequence[Foundation],
+                     dirichlet: Mapping[str, VectorDatum] | None = None, roller: Mapping[str, Datum] | None = None,
+                     traction: Mapping[str, VectorDatum] | None = None, bodyforce: VectorDatum | None = None) -> None: ...
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.material, (HookeMaterial, AnisotropicMaterial)):
+            raise ProblemError(f"material is {self.material!r}; give a HookeMaterial or an AnisotropicMaterial")
+        several = isinstance(self.foundation, Sequence) and not isinstance(self.foundation, str)
+        foundations = tuple(self.foundation) if several else (self.foundation,)
+        if not foundations or not all(isinstance(foundation, Foundation) for foundation in foundations):
+            raise ProblemError(f"foundation is {self.foundation!r}; give a Foundation or several, "
+                               "a contact problem has at least one")
+        object.__setattr__(self, "foundation", foundations)
+        for name, convert in (("dirichlet", Vector), ("roller", Scalar), ("traction", Vector)):
+            object.__setattr__(self, name, _Regions(getattr(self, name), name, convert))
+        if self.bodyforce is not None:
+            object.__setattr__(self, "bodyforce", Vector(self.bodyforce, "bodyforce"))
+        if len({dim for _, dim in self._Dimensions()}) > 1:
+            listing = ", ".join(f"{name}: {dim}" for name, dim in self._Dimensions())
+            raise ProblemError(f"the data have different dimensions ({listing}); give all of them the dimension of the mesh")
+
+    def __reduce__(self):
+        # Mapping proxies are not pickled.
+        data = (self.dirichlet, self.roller, self.traction)
+        return type(self), (self.material, self.foundation, *map(dict, data), self.bodyforce)
+
+    def _Dimensions(self):
+        for name in ("dirichlet", "traction"):
+            for region, value in getattr(self, name).items():
+                yield f"{name}[{region!r}]", value.dim
+        if self.bodyforce is not None:
+            yield "bodyforce", self.bodyforce.dim
+        if isinstance(self.material, AnisotropicMaterial):
+            yield "material", self.material.dim
+
+    @property
+    def dim(self) -> int | None:
+        """Space dimension d of the data, or None if they do not tell."""
+        return next((dim for _, dim in self._Dimensions()), None)
+
+    def Solve(self, *_: object, **__: object) -> NoReturn:
+        """ProblemError that says what is missing: NGSolve's `Solve(problem)` comes here."""
+        raise ProblemError("a ContactProblem has neither mesh nor method, a Discretization has both; "
+                           "give Solve(Discretization(problem, method, mesh, order=1))")
+
+    def Regions(self):
+        """(kind, region) of every boundary region that is named, in the order of the arguments."""
+        for kind in ("dirichlet", "roller", "traction"):
+            for region in getattr(self, kind):
+                yield kind, region
+        for foundation in self.foundation:
+            yield "foundation", foundation.boundary
+
+
+def _Regions(values, name, convert):
+    if values is None:
+        return MappingProxyType({})
+    if not isinstance(values, Mapping):
+        raise ProblemError(f"{name} is {values!r}; give a dictionary {{region: value}}")
+    return MappingProxyType({RegionName(region, name): convert(value, f"{name}[{region!r}]")
+                             for region, value in values.items()})

@@ -1,0 +1,150 @@
+"""A solution in a folder: what is kept of it, and what is compared and verified when it is read again."""
+
+from collections.abc import Sequence
+from dataclasses import asdict, astuple, fields
+
+import numpy as np
+from ngsolve import BilinearForm, LinearForm
+
+from ..contact.graph import Distance
+from ..discrete.problem import DiscreteProblem
+from ..exceptions import ProblemError
+from ..methods.rows import METHODS
+from . import storage
+from .fingerprint import NAMES, SAME, Differs, Fingerprint
+from .history import Level, Step
+from .resultants import BALANCE
+
+KINDS = {"method": str, "arguments": dict, "order": int, "assembly": str, "inverse": str, "added": bool, "converged": bool,
+         "solver": str, "summary": dict}
+LAW = 1e-6          # difference of a law residual and the one that was recorded, besides a thousandth of it
+
+
+def Keep(solution, folder):
+    """Write a ContactSolution into a folder; ProblemError if it could not be read again."""
+    disc, method = solution.disc, solution.disc.method
+    if type(method) not in METHODS.values():
+        raise ProblemError(f"method is {method!r}, a {type(method).__name__} of your own, which a file cannot name; keep "
+                           "solution.vector and solution.traction, and make ContactSolution(disc, vector, traction) of them")
+    penetration, slip = solution.penetration, disc.contact.Slip(solution.displacement)
+    arrays = {"vector": solution.vector, "traction": solution.traction, "penetration": penetration, "slip": slip,
+              "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(-1, 5),
+              "dofs": _Dofs(disc.space) if disc.mesh.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
+              **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
+    _CheckArrays(arrays, "solution")
+    words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
+             "inverse": disc.wanted, "added": bool(disc.added),
+             "converged": bool(solution.converged), "solver": str(solution.solver), "summary": solution.ToJSON()}
+    storage.Write(folder, disc.mesh, arrays, words)
+
+
+def Open(folder, problem, added):
+    """(DiscreteProblem, {name: array}, dictionary) of a folder, for a problem and forms that are compared later."""
+    mesh, arrays, words = storage.Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", "dofs", *NAMES))
+    _CheckArrays(arrays, f"the solution in {folder}")
+    kind = {method.__name__: method for method in METHODS.values()}.get(words["method"])
+    if kind is None or not set(words["arguments"]) <= {field.name for field in fields(kind)}:
+        raise ProblemError(f"{folder} was saved with method {words['method']} and arguments {words['arguments']}, which this "
+                           f"version has not; it knows {', '.join(method.__name__ for method in METHODS.values())}")
+    if not isinstance(added, Sequence) or isinstance(added, str):
+        raise ProblemError(f"added is {added!r}; give a list of the forms that disc.Add was given")
+    if words["added"] != bool(added):
+        raise ProblemError(f"the solution in {folder} was computed {'with' if words['added'] else 'without'} added forms; "
+                           f"{'give them again' if words['added'] else 'leave them out'}: "
+                           f"Load(folder, problem{', added=[...]' if words['added'] else ''})")
+    disc = DiscreteProblem(problem, kind(**words["arguments"]), mesh, order=words["order"], assembly=words["assembly"],
+                           inverse=words["inverse"])
+    if disc.space.ndof != len(arrays["vector"]):
+        raise ProblemError(f"{folder} has {len(arrays['vector'])} coefficients, and {disc!r} has {disc.space.ndof}; give a "
+                           "folder as ContactSolution.Save has left it")
+    for number, form in enumerate(added):
+        disc.Add(_On(disc.space, form, f"added[{number}]"))
+    return disc, arrays, words
+
+
+def Iteration(folder, arrays, words):
+    """([Step], [Level], predicted factor) of what a folder says of the iteration; ProblemError if it says something else."""
+    try:
+        history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
+        levels = [Level(**level) for level in words["summary"].get("levels", [])]
+        return history, levels, words["summary"].get("contraction", {}).get("predicted")
+    except (AttributeError, OverflowError, TypeError, ValueError) as error:
+        raise ProblemError(f"the history or the summary in {folder} is none of an iteration: {error}; give a folder as "
+                           "ContactSolution.Save has left it") from error
+
+
+def Numbering(folder, disc, arrays):
+    """Which number in the arrays the dofs have, (ndof,): another one where a conforming method's mesh was refined in parts.
+
+    Edges are numbered after those of their parents, which have gone from the mesh that was read.
+    """
+    numbering, kept = np.arange(disc.space.ndof), arrays["dofs"]
+    if not kept.size:
+        return numbering
+    dofs = _Dofs(disc.space)
+    fit = kept.dtype.kind == "i" and kept.shape == dofs.shape
+    if fit:
+        numbering[dofs] = kept
+    if not fit or not np.array_equal(np.sort(numbering), np.arange(disc.space.ndof)):
+        raise ProblemError(f"the dofs in {folder} are none of {disc!r}; give a folder as ContactSolution.Save has left it")
+    return numbering
+
+
+def _Dofs(space):
+    """The dofs of all elements, one after the other."""
+    return np.concatenate([element.dofs for element in space.Elements()])
+
+
+def Compare(folder, solution, arrays, numbering):
+    """Raise ProblemError unless a solution is of the problem whose arrays were kept, and solves it as far as it claims to."""
+    for name, values in Fingerprint(solution, arrays["penetration"], arrays["slip"], numbering):
+        if Differs(arrays[name], values):
+            raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ; "
+                               "give the one it was saved with")
+    disc = solution.disc
+    at = solution.penetration, disc.contact.Slip(solution.displacement)
+    size = max(np.abs(solution.displacement).max(initial=0), np.abs(disc.contact.gap).max(initial=0))
+    for name, values in zip(("penetration", "slip"), at):
+        if not np.abs(arrays[name] - values).max(initial=0) <= SAME * size:
+            raise ProblemError(f"the {name} in {folder} is not that of its coefficients; give a folder as ContactSolution.Save "
+                               "has left it")
+    law = Distance(disc.contact, solution.displacement, solution.traction).distance.max(initial=0)
+    recorded = solution.history[-1].residual if solution.history else 0.0
+    if not abs(law - recorded) <= 1e-3 * recorded + LAW:
+        raise ProblemError(f"the solution in {folder} does not obey the contact law: its distance is {law:.1e}, recorded is "
+                           f"{recorded:.1e}; solve again, and save what Solve returns")
+    balance = solution.EquilibriumResidual()
+    if solution.converged and not balance <= BALANCE:
+        raise ProblemError(f"the solution in {folder} is not in balance: A u - f + T' W t is {balance:.1e} of its terms; solve "
+                           "again, and save what Solve returns")
+
+
+def _CheckArrays(arrays, name):
+    """Raise ProblemError unless vector and contact quantities are finite and of shapes that belong together."""
+    shapes = {"vector": arrays["loads"].shape, "traction": arrays["points"].shape, "penetration": arrays["points"].shape[:1],
+              "slip": arrays["points"].shape[:1], "history": (*arrays["history"].shape[:1], 5)}
+    for key, shape in shapes.items():
+        array = arrays[key]
+        wrong = array.dtype != float or array.shape != shape or array.ndim == 0
+        if wrong or key != "history" and not np.all(np.isfinite(array)):
+            raise ProblemError(f"{name} has a {key} of shape {array.shape} that is not finite, or not of shape {shape}; solve "
+                               "again, and save what Solve returns")
+
+
+def _On(space, form, name):
+    """An added form on a space: what a function of the space makes, or the integrals of a form on one like it."""
+    if isinstance(form, (BilinearForm, LinearForm)):
+        other = form.space
+        if type(other) is not type(space) or other.ndof != space.ndof or other.globalorder != space.globalorder:
+            raise ProblemError(f"{name} lives on another space; make it on one of the same mesh, method and order")
+        copy = type(form)(space)
+        for integrator in form.integrators:
+            copy += integrator
+        return copy
+    if not callable(form):
+        raise ProblemError(f"{name} is {form!r}; give a form, or a function of the space that makes it")
+    try:
+        return form(space)
+    except Exception as error:      # of a function of the user's own
+        raise ProblemError(f"{name} fails: {type(error).__name__}: {error}; give a function of the space alone that makes a "
+                           "BilinearForm or a LinearForm on it") from error

@@ -1,0 +1,139 @@
+"""Arrays that tell discrete problems apart: everything that decides the equations, as values at points and on elements."""
+
+import numpy as np
+from ngsolve import CF, Integrate
+
+from ..data.coefficients import ValuesAt, VectorsAt
+from ..mesh.facets import Threads
+from ..mesh.quadrature import BoundaryQuadrature
+from ..problem.hypotheses import SlipFactor
+
+SAME = 1e-6         # relative difference of values that are the same
+LEAST = 1e-10       # the same, relative to the largest value of their table: round-off of what nearly cancels
+ORDER = 4           # of the quadrature at whose points boundary data are compared
+DEPTHS = np.logspace(-6, 0, 13)                 # penetrations and slips at which laws are compared, relative to Gamma_C,
+PARTS = np.array([0.25, 0.5, 0.75, 1, 2, 4])    # and to the largest ones of the solution
+NAMES = ("points", "gaps", "loads", "energies", "pressures", "bounds", "laws", "regions", "dirichlet values", "roller values",
+         "traction values", "body forces", "moduli", "added forms", "equations")
+
+
+def Fingerprint(solution, penetration, slip, numbering):
+    """(name, array) for all `NAMES`, each computed when it is asked for.
+
+    numbering : (ndof,), which number the dofs have in the arrays
+    penetration, slip : (n,), those that the solution had when it was saved; p_n of computed ones would, where it is stiff,
+        tell no more than round-off
+    """
+    disc = solution.disc
+    problem, contact = disc.problem, disc.contact
+    yield "points", contact.coordinates
+    yield "gaps", contact.gap
+    yield "loads", _Renumbered(disc.load, numbering)
+    yield "energies", np.array([solution.energy])
+    yield "pressures", contact.Pressure(penetration)
+    yield "bounds", contact.Bound(penetration, slip)
+    yield "laws", _Laws(contact, penetration, slip)
+    yield "regions", _Regions(disc)
+    for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt)):
+        yield f"{kind} values", _Prescribed(disc, kind, at)
+    yield "body forces", _ByElement(disc.mesh, [] if problem.bodyforce is None else list(problem.bodyforce))
+    yield "moduli", _Material(disc)
+    yield "added forms", _Added(disc, numbering)
+    yield "equations", _Products(disc, numbering)
+
+
+def Differs(stored, found):
+    """True unless two arrays are the same up to round-off, entry by entry.
+
+    An array is a column (n,), a table (n, m), or several tables (k, n, m), whose sizes may be far apart.
+    """
+    if stored.shape != found.shape or stored.dtype.kind != found.dtype.kind:
+        return True
+    if found.dtype.kind != "f":
+        return not np.array_equal(stored, found)
+    finite = np.isfinite(found)
+    if not np.array_equal(np.where(finite, 0, found), np.where(np.isfinite(stored), 0, stored), equal_nan=True):
+        return True
+    stored, found = np.where(finite, stored, 0), np.where(finite, found, 0)
+    size = np.abs(found)
+    largest = size.max(axis=tuple(range(max(size.ndim - 2, 0), size.ndim)), keepdims=True, initial=0)
+    return bool(np.any(np.abs(stored - found) > SAME * size + LEAST * largest))
+
+
+def _Laws(contact, penetration, slip):
+    """p_n at some depths, p_t there at rest and at some slips, one table (n, 1) for each: (k, n, 1)."""
+    extent = np.ptp(contact.coordinates, axis=0).max()
+    depths, slips = (np.concatenate([extent * DEPTHS, PARTS * np.abs(values).max(initial=0)]) for values in (penetration, slip))
+    tables = np.zeros((len(depths), 3, len(contact.weights)))
+    for table, depth, length in zip(tables, depths, slips):
+        for _, here, compliance, friction in contact.parts:
+            r, s = (np.full(here.stop - here.start, value) for value in (depth, length))
+            with np.errstate(all="ignore"):     # a law may end at some penetration
+                table[0, here] = compliance.Pressure(r)
+                if friction is not None:
+                    bound = friction.Bound(r, table[0, here])
+                    table[1, here], table[2, here] = (bound * SlipFactor(friction, at)[0] for at in (0 * s, s))
+    return tables.reshape(-1, len(contact.weights), 1)
+
+
+def _Regions(disc):
+    """What every boundary of the mesh is, (boundaries,) of text: kinds, and the number of the foundation."""
+    kinds = [[] for _ in disc.mesh.GetBoundaries()]
+    foundations = iter(range(len(disc.problem.foundation)))
+    for kind, region in disc.problem.Regions():
+        word = f"{kind} {next(foundations)}" if kind == "foundation" else kind
+        for number, found in enumerate(disc.mesh.Boundaries(region).Mask()):
+            if found and word not in kinds[number]:
+                kinds[number].append(word)
+    return np.array([" ".join(sorted(words)) for words in kinds])
+
+
+def _Prescribed(disc, kind, at):
+    """Values of dirichlet, roller or traction on all its regions, in the order of the facets, (n, components)."""
+    found = [(BoundaryQuadrature.On(disc.facets, region, ORDER), value, f"{kind}[{region!r}]", disc.mesh.Boundaries(region))
+             for region, value in getattr(disc.problem, kind).items()]
+    if not found:
+        return np.zeros((0, 1))
+    values = np.concatenate([at(value, quadrature.points, name, region).reshape(len(quadrature.points), -1)
+                             for quadrature, value, name, region in found])
+    return values[np.argsort(np.concatenate([quadrature.facets for quadrature, *_ in found]), kind="stable")]
+
+
+def _ByElement(mesh, functions):
+    """Integrals of scalar CoefficientFunctions over the elements, (ne, functions)."""
+    with Threads(mesh):
+        return np.array([np.array(Integrate(CF(function), mesh, element_wise=True)) for function in functions]).T
+
+
+def _Material(disc):
+    """C applied to one strain without symmetries, integrated over the elements, (ne, d (d + 1)/2)."""
+    dim = disc.mesh.dim
+    upper = np.triu_indices(dim)
+    strain = np.zeros((dim, dim))
+    strain[upper] = np.sqrt([2, 3, 5, 7, 11, 13][:len(upper[0])])
+    stress = disc.problem.material.Stress(CF(tuple(np.maximum(strain, strain.T).ravel()), dims=(dim, dim)))
+    return _ByElement(disc.mesh, [stress[int(i), int(j)] for i, j in zip(*upper)])
+
+
+def _Renumbered(vector, numbering):
+    """The coefficients of a vector (ndof,) in the order of the arrays."""
+    renumbered = np.empty_like(vector)
+    renumbered[numbering] = vector
+    return renumbered
+
+
+def _Products(disc, numbering):
+    """x'A y for four pairs of vectors, (4,)."""
+    vectors = np.random.default_rng(1).standard_normal((4, 2, disc.space.ndof))[..., numbering]
+    return np.array([left @ disc.Multiply(right) for left, right in vectors])
+
+
+def _Added(disc, numbering):
+    """A of the added bilinear forms applied to a vector, and f of the linear ones, two tables (2, ndof, 1), or none."""
+    if not disc.added:
+        return np.zeros((0, 1, 1))
+    ndof = disc.space.ndof
+    vector = np.random.default_rng(2).standard_normal(ndof)[numbering]
+    applied = np.zeros(ndof) if disc.added.matrix is None else disc.added.matrix @ vector
+    load = np.zeros(ndof) if disc.added.load is None else disc.added.load
+    return np.array([_Renumbered(part, numbering) for part in (applied, load)])[..., None]

@@ -1,0 +1,83 @@
+"""Forces, mean displacements and tractions on regions of the boundary and on interfaces; displacements at points."""
+
+import numpy as np
+
+from ..data.regions import Matching
+from ..exceptions import ProblemError
+from ..tools.values import Vectors
+from .conformingtractions import ConformingTractions
+from .tractions import MeanDisplacement, NumericalTractions
+
+
+def Tractions(solution):
+    """`FacetTractions` of a solution of any method."""
+    return (NumericalTractions if solution.disc.method.discontinuous else ConformingTractions)(solution)
+
+
+def Force(solution, region, material=None):
+    """The force through a region, (d,); see `ContactSolution.Force`."""
+    on = Facets(solution.disc, region)
+    signs = _Outward(solution.disc, region, on) if material is None else _Side(solution.disc, region, on, material)
+    return signs @ solution.facettractions.forces[on]
+
+
+def Traction(solution, region):
+    """The traction on a region as a CoefficientFunction; see `ContactSolution.Traction`."""
+    Facets(solution.disc, region)
+    return solution.facettractions.function
+
+
+def Mean(solution, region):
+    """The mean displacement of a region, (d,); see `ContactSolution.Mean`."""
+    Facets(solution.disc, region)
+    return MeanDisplacement(solution.disc, solution.gfu, region)
+
+
+def DisplacementAt(solution, point):
+    """The displacement at a point of the body, (d,); see `ContactSolution.At`."""
+    mesh, dim = solution.disc.mesh, solution.disc.mesh.dim
+    place = Vectors(point, (dim,), "point", f"give its {dim} coordinates, such as At({', '.join('0' * dim)})").tolist()
+    displacement = solution.gfu
+    try:
+        return np.array(displacement(mesh(*place)))
+    except Exception as error:
+        points = mesh.ngmesh.Coordinates()[:, :dim]
+        raise ProblemError(f"point {tuple(place)} lies in no element of the mesh, which extends from "
+                           f"{tuple(points.min(axis=0).tolist())} to {tuple(points.max(axis=0).tolist())}; give a point of the "
+                           "body") from error
+
+
+def Facets(disc, region):
+    """Numbers of the facets of a boundary region; ProblemError if there are none."""
+    Matching(disc.mesh, region, "boundary")
+    found = np.flatnonzero(disc.facets.On(region))
+    if not len(found):
+        raise ProblemError(f"boundary {region!r} contains no side of an element; give one that is part of the body's boundary "
+                           "or of an interface")
+    return found
+
+
+def _Outward(disc, region, on):
+    """Signs (n,) of the forces on facets without a material: on the body, or on the side whose normal an interface has."""
+    interfaces, within = disc.facets.interfaces, disc.facets.neighbours[on] > 1
+    if within.any() and not within.all():
+        raise ProblemError(f"region {region!r} has facets on the boundary of the body and facets inside it; give a region of "
+                           "one kind, or with material= the part of the body on which the force acts")
+    own, beyond = np.unique(interfaces.materials[on[within], 0]), interfaces.materials[on[within], 1]
+    if len(np.unique(interfaces.piece[on[within]])) > 1 and (len(own) > 1 or np.any(beyond == own)):
+        raise ProblemError(f"region {region!r} is an interface of several pieces, and on which side of each the force acts "
+                           "cannot be told; give material=, or the pieces names of their own")
+    return np.ones(len(on))
+
+
+def _Side(disc, region, on, material):
+    """Signs (n,) of the forces on the part of the body that is of a material."""
+    chosen = Matching(disc.mesh, material, "material", kind="material")
+    own, beyond = disc.facets.interfaces.materials[on].T
+    here, there = chosen[own], chosen[beyond] & (beyond >= 0)
+    if np.any(here & (own == beyond)):
+        raise ProblemError(f"region {region!r} has material {material!r} on both sides; give the region without material=, for "
+                           "the force on the side whose outward normal is that of solution.flux")
+    if not np.any(here | there):
+        raise ProblemError(f"region {region!r} is no boundary of material {material!r}; give one that touches it")
+    return here.astype(float) - there

@@ -1,0 +1,160 @@
+"""A solution as a page of text and as a dictionary of plain numbers."""
+
+from dataclasses import asdict
+
+import numpy as np
+
+from ..tools.formula import Formula
+
+LINE = 78
+# What `ContactSolution.ToJSON` holds; ranges are {"smallest": , "largest": } over the contact points.
+SCHEMA = {
+    "ngdgc": "version", "ngsolve": "version", "case": "name of the case that was run, or null",
+    "method": "name", "options": "the method as it is written in Python", "material": "as written", "foundations": "as written",
+    "dirichlet": "of each region, as written", "roller": "the same", "traction": "the same", "bodyforce": "as written, or null",
+    "order": "polynomial degree", "dimension": "2 or 3", "elements": "number", "dofs": "number of unknowns",
+    "contact_points": "number",
+    "solver": "as written", "inverse": "what solved the linear equations", "converged": "true or false",
+    "iterations": "number, on the last mesh", "change": "of u, last iteration [1], or null without iteration",
+    "law_residual": "largest distance to the contact law [1], or null", "solves": "linear solves, or null",
+    "seconds": "of the iteration [s], or null",
+    "contraction": "factors per iteration, predicted and observed [1], each or null",
+    "levels": "of nested meshes: elements, dofs, points, iterations, solves, factorisation [s], seconds [s], converged of each",
+    "elastic_energy": "[stress length^d]", "normal_force": "int p_n [stress length^(d-1)]",
+    "zones": "length or area of separation, stick and slip [length^(d-1)]",
+    "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
+    "slip": "range of |u_t| [length]",
+    "resultants": "of supports, loads and foundations: kind, region, force (d) [stress length^(d-1)], moment about the origin "
+                  "[stress length^d], and integrated_stress (force, moment) by sigma n or null",
+    "equilibrium_residual": "|A u - f + T' W t| relative to its terms [1]",
+    "global_imbalance": "sum of forces and moments, relative",
+    "element_imbalance": "the largest of an element, relative; discontinuous methods only",
+}
+
+
+def Plain(value):
+    """The value in types that JSON has: numbers that are not finite, which it has not, become None."""
+    if isinstance(value, dict):
+        return {key: Plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [Plain(entry) for entry in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value
+
+
+def Summary(solution):
+    """The numbers of the report, as the `SCHEMA` says."""
+    from importlib.metadata import version      # slow to import
+
+    disc = solution.disc
+    last = solution.history[-1] if solution.history else None
+    slip = np.linalg.norm(solution.slip, axis=1)
+    summary = {
+        "ngdgc": version("ngdgc"), "ngsolve": version("ngsolve"),
+        "case": solution.case,
+        "material": repr(disc.problem.material), "foundations": [repr(foundation) for foundation in disc.problem.foundation],
+        **_Data(disc.problem),
+        "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
+        "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
+        "solver": solution.solver, "inverse": disc.inversekind, "converged": solution.converged,
+        "iterations": len(solution.history),
+        "change": last.change if last else None, "law_residual": last.residual if last else None,
+        "solves": last.solves if last else None, "seconds": last.seconds if last else None,
+        "contraction": asdict(solution.rates), "levels": [asdict(level) for level in solution.levels],
+        "elastic_energy": solution.energy, "normal_force": solution.normalforce,
+        "zones": solution.ZoneLengths(),
+        "penetration": _Range(solution.penetration), "pressure": _Range(solution.pressure),
+        "friction": _Range(np.linalg.norm(solution.friction, axis=1)), "slip": _Range(slip),
+        "resultants": [
+            {"kind": resultant.kind, "region": resultant.region, "force": resultant.force.tolist(),
+             "moment": resultant.moment.tolist(),
+             "integrated_stress": resultant.integrated and [part.tolist() for part in resultant.integrated]}
+            for resultant in solution.Resultants()],
+        "equilibrium_residual": solution.EquilibriumResidual(),
+        "global_imbalance": solution.GlobalImbalance(),
+    }
+    if disc.method.discontinuous:
+        summary["element_imbalance"] = float(np.abs(solution.ElementImbalance()).max())
+    return summary
+
+
+def _Data(problem):
+    """Supports and loads as they are written, those too of which there are none."""
+    data = {name: {region: Formula(value) for region, value in getattr(problem, name).items()}
+            for name in ("dirichlet", "roller", "traction")}
+    return {**data, "bodyforce": problem.bodyforce and Formula(problem.bodyforce)}
+
+
+def _Range(values):
+    return {"smallest": float(np.min(values)), "largest": float(np.max(values))}
+
+
+def Report(solution):
+    """A page of text."""
+    numbers = Summary(solution)
+    return "\n".join([_Head(numbers), "", *_Iteration(numbers), "", *_Contact(numbers), "", *_Forces(numbers), ""])
+
+
+def _Head(numbers):
+    title = f"{numbers['options']}, order {numbers['order']}, {numbers['dimension']}D"
+    size = f"{numbers['elements']} elements, {numbers['dofs']} unknowns, {numbers['contact_points']} contact points"
+    return f"{title}\n{size}\n{'=' * LINE}"
+
+
+def _Iteration(numbers):
+    if numbers["change"] is None:
+        return [numbers["solver"] or "no iteration recorded"]
+    state = "converged" if numbers["converged"] else "NOT CONVERGED: the numbers below are those of the last iterate"
+    return [numbers["solver"],
+            f"  {state}, {numbers['iterations']} iterations, {numbers['solves']} linear solves by {numbers['inverse']}, "
+            f"{numbers['seconds']:.2f} s",
+            f"  last change {numbers['change']:.1e}, distance to the contact law {numbers['law_residual']:.1e}",
+            *_Rates(numbers["contraction"]), *_Levels(numbers["levels"])]
+
+
+def _Rates(rates):
+    found = [f"{name} {rates[name]:.4g}" for name in ("predicted", "observed") if rates[name] is not None]
+    return [f"  contraction per iteration: {', '.join(found)}"] if found else []
+
+
+def _Levels(levels):
+    return [f"  mesh {number}: {level['dofs']} unknowns, {level['points']} contact points, {level['iterations']} iterations, "
+            f"{level['solves']} linear solves, {level['seconds']:.2f} s ({level['factorisation']:.2f} s factorising)"
+            f"{'' if level['converged'] else ', not converged'}"
+            for number, level in enumerate(levels, start=1)]
+
+
+def _Contact(numbers):
+    length = "length" if numbers["dimension"] == 2 else "area"
+    total = sum(numbers["zones"].values())
+    zones = ",  ".join(f"{name} {size:.4g} ({100 * size / total:.0f} %)" for name, size in numbers["zones"].items())
+    rows = [("penetration u_n - g", "penetration"), ("pressure p_n", "pressure"), ("friction |sigma_t|", "friction"),
+            ("slip |u_t|", "slip")]
+    return [f"Contact boundary: {length} {total:.4g}", f"  {zones}",
+            *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g}" for label, key in rows),
+            f"  {'int p_n':<22}{numbers['normal_force']:>14.6g}",
+            f"Elastic energy {numbers['elastic_energy']:.6g}"]
+
+
+def _Forces(numbers):
+    dim = numbers["dimension"]
+    axes = "xyz"[:dim]
+    columns = [f"F_{axis}" for axis in axes] + (["moment"] if dim == 2 else [f"M_{axis}" for axis in axes])
+    rows = ["Forces on the body and moments about the origin", " " * 26 + "".join(f"{column:>13}" for column in columns)]
+    total = np.zeros(len(columns))
+    for resultant in numbers["resultants"]:
+        modes = np.array(resultant["force"] + resultant["moment"])
+        total += modes
+        rows.append(_Row(f"{resultant['kind']} {resultant['region'] or ''}", modes))
+        if resultant["integrated_stress"]:
+            rows.append(_Row("  integrated sigma n", np.concatenate(resultant["integrated_stress"])))
+    rows.append(_Row("sum", total))
+    balance = f"Balance: whole body {numbers['global_imbalance']:.1e}, equations {numbers['equilibrium_residual']:.1e}"
+    if "element_imbalance" in numbers:
+        balance += f", worst element {numbers['element_imbalance']:.1e} (relative)"
+    return [*rows, balance]
+
+
+def _Row(label, modes):
+    return f"  {label:<24}" + "".join(f"{mode:>13.5g}" for mode in modes)

@@ -1,0 +1,268 @@
+"""What a solver returns: fields, contact quantities, resultants, history."""
+
+from functools import cached_property
+
+import numpy as np
+from ngsolve import GridFunction, InnerProduct, Integrate
+
+from ..contact.graph import ZONES, Distance
+from ..discrete.state import AsRead
+from ..exceptions import ProblemError
+from ..methods.fluxes import Flux
+from ..problem.materials import Strain
+from ..tools.calls import ByKeyword
+from . import archive
+from .forces import DisplacementAt, Force, Mean, Traction, Tractions
+from .history import ObservedRate, Rates
+from .report import Plain, Report, Summary
+from .resultants import ElementImbalance, EquilibriumResidual, GlobalImbalance, Resultants
+
+
+@ByKeyword
+class ContactSolution:
+    """Displacement and contact traction of a discrete problem.
+
+    Attributes
+    ----------
+    disc : Discretization
+    gfu : GridFunction of the displacement u_h [length];  vector : its coefficients (ndof,)
+    traction : (n, d) traction t = p_n n + p_t lambda that the body exerts on the foundations at the n contact points [stress];
+        the traction on the body is -t
+    history : list of Step;  converged : bool;  solver : its text
+    case : name of the case that `ngdgc run` solved, None elsewhere
+    levels : list of Level, one for each mesh of a nested iteration, the last one the solution's own; empty for other solvers
+
+    Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
+    (n,) come with them.
+    """
+
+    def __init__(self, disc, vector, traction, *, history=(), converged=True, solver="", Predict=None):
+        self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
+        self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
+        self.levels, self.case = [], None
+
+    @property
+    def state(self):
+        """The `State` of mesh and data that the solution belongs to."""
+        return self.disc.state
+
+    def __repr__(self):
+        state = "" if self.converged else "not "
+        return f"ContactSolution({self.disc!r}, {state}converged after {len(self.history)} iterations)"
+
+    def __reduce_ex__(self, protocol):
+        raise ProblemError("a ContactSolution belongs to a mesh and a factorised matrix, which are not copied or pickled; take "
+                           "Save(folder) and ContactSolution.Load(folder, problem), or its arrays, such as traction")
+
+    @property
+    def gfu(self):
+        """u_h, a GridFunction; discontinuous ones have no values on boundaries: `Mean`, or BoundaryFromVolumeCF(gfu)."""
+        self.state.CheckMesh()
+        return self._gfu
+
+    @cached_property
+    def _gfu(self):
+        function = GridFunction(self.disc.space, "u")
+        function.vec.FV().NumPy()[:] = self.vector
+        return function
+
+    @cached_property
+    def rates(self):
+        """`Rates` of the iteration; the prediction costs at most 20 linear solves, and no more than the iteration took."""
+        return Rates(self.Predict and self.Predict(), ObservedRate(self.history))
+
+    @property
+    def strain(self):
+        """eps(u_h), CoefficientFunction (d, d)."""
+        return Strain(self.gfu)
+
+    @property
+    def stress(self):
+        """C eps(u_h), CoefficientFunction (d, d) [stress], in the elements; on boundaries take `Force` or `Traction`."""
+        self.state.CheckMaterial()
+        return self.disc.problem.material.Stress(self.strain)
+
+    @cached_property
+    @AsRead
+    def flux(self):
+        """The numerical flux sigma_hat n on every facet, a GridFunction (d,) [stress]; see `fluxes.Flux`.  DG only."""
+        return Flux(self)
+
+    @property
+    def points(self):
+        return self.disc.contact.coordinates
+
+    @property
+    def normals(self):
+        return self.disc.contact.normals
+
+    @property
+    def weights(self):
+        return self.disc.contact.weights
+
+    @cached_property
+    def displacement(self):
+        """u_h at the contact points, (n, d) [length]."""
+        return self.disc.contact.Displacement(self.vector)
+
+    @property
+    def penetration(self):
+        """r = u_n - g, (n,) [length]; positive inside the foundation."""
+        return self.disc.contact.Penetration(self.displacement)
+
+    @property
+    def slip(self):
+        """u_t, (n, d) [length]."""
+        return self.disc.contact.Tangential(self.displacement)
+
+    @cached_property
+    def _graph(self):
+        return Distance(self.disc.contact, self.displacement, self.traction)
+
+    @property
+    def pressure(self):
+        """-sigma_n = p_n, (n,) [stress]; exactly 0 in separation and positive elsewhere, which `traction` is to round-off."""
+        return self._graph.pressure
+
+    @property
+    def friction(self):
+        """sigma_t, the friction traction on the body, (n, d) [stress]; it acts against u_t, and is exactly 0 where p_t is."""
+        return 0 - self._graph.friction
+
+    @property
+    def bound(self):
+        """p_t, (n,) [stress]."""
+        return self.disc.contact.Bound(self.penetration, self.disc.contact.Slip(self.displacement))
+
+    @property
+    def zones(self):
+        """0 separation, 1 stick, 2 slip at the contact points, (n,); names in `ngdgc.contact.graph.ZONES`."""
+        return self._graph.zones
+
+    def ZoneLengths(self):
+        """Length (2D) or area (3D) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""
+        return {name: float(self.weights[self.zones == number].sum()) for number, name in enumerate(ZONES)}
+
+    @cached_property
+    @AsRead
+    def energy(self):
+        """Elastic energy, half of int C eps(u_h):eps(u_h) over the elements [stress length^d]."""
+        return float(Integrate(0.5 * InnerProduct(self.stress, self.strain), self.disc.mesh, order=2 * self.disc.order + 2))
+
+    @cached_property
+    def normalforce(self):
+        """int_GammaC p_n [stress length^(d-1)]."""
+        return float(self.weights @ self.pressure)
+
+    def At(self, *point):
+        """u_h at a point of the body, (d,) [length]; ProblemError for a point outside of it."""
+        return DisplacementAt(self, point)
+
+    @cached_property
+    @AsRead
+    def facettractions(self):
+        """`tractions.FacetTractions`: tractions on all boundaries and interfaces, and their integrals over the facets."""
+        return Tractions(self)
+
+    @AsRead
+    def Force(self, region, *, material=None):
+        """Force on the body through a boundary region, (d,) [stress length^(d-1)]: loads, reactions and contact alike.
+
+        The integral of `Traction`, in balance to round-off; forces of added forms are not in it.  With `material`, a regular
+        expression: on that part of the body, through the facets of the region, also inside the body.  There without material:
+        on the side whose outward normal `flux` has (`interfaces.Interfaces`).
+
+        Raises ProblemError for a region or material that is not there, or if the side cannot be told.
+
+        >>> from ngdgc import *
+        >>> from ngdgc.meshes import RectangleMesh
+        >>> problem = ContactProblem(HookeMaterial(E=100, nu=0.3), Foundation("bottom", NormalCompliance(10)),
+        ...                          dirichlet={"top": (0, -0.1)})
+        >>> solution = Solve(Discretization(problem, Conforming(), RectangleMesh(4), order=2))
+        >>> bool(abs(solution.Force("bottom")[1] - solution.normalforce) < 1e-12), solution.Force("left|right").tolist()
+        (True, [0.0, 0.0])
+        """
+        return Force(self, region, material)
+
+    def Mean(self, region):
+        """Mean displacement of a boundary region, (d,) [length]; inside the body the mean of both sides."""
+        return Mean(self, region)
+
+    @AsRead
+    def Traction(self, region):
+        """sigma n on a boundary region, a CoefficientFunction (d,) [stress] for boundary integrals and boundary points.
+
+        The numerical flux `flux`, or of Conforming C eps(u_h) n corrected to balance (`conformingtractions`), f_2 and -t.
+        Integrate(solution.Traction("left"), mesh, definedon=mesh.Boundaries("left")) is Force("left"), on curved boundaries up
+        to quadrature.
+        """
+        return Traction(self, region)
+
+    def Resultants(self):
+        """Force and moment of every support, load and foundation, a list of `Resultant`."""
+        return self._resultants
+
+    @cached_property
+    @AsRead
+    def _resultants(self):
+        return Resultants(self)
+
+    def GlobalImbalance(self):
+        """Largest component of the sum of all forces and moments, relative to the largest one."""
+        return GlobalImbalance(self)
+
+    @AsRead
+    def ElementImbalance(self):
+        """Unbalanced force and moment per element, (elements, 3 or 6), relative; DG only, H1 balances globally."""
+        return ElementImbalance(self)
+
+    @AsRead
+    def EquilibriumResidual(self):
+        """|A u - f + T' W t| relative to its terms, no unit: how well the linear equations are solved."""
+        return EquilibriumResidual(self.disc, self.vector, self.traction)
+
+    def Report(self):
+        """A page of text: what was solved, how the iteration went, what happens on Gamma_C, forces and balance."""
+        return Report(self)
+
+    def ToJSON(self):
+        """The numbers of the report as a dictionary of plain types, for json.dump; `report.SCHEMA` says what they are.
+
+        Numbers that are not finite, which JSON has not, are None.
+        """
+        return Plain(Summary(self))
+
+    def Save(self, folder):
+        """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle).
+
+        With them goes what tells the discrete problem from others: regions, data at points, laws at several depths and slips.
+        What was saved there before is replaced at the end, or kept if that fails.  Raises ProblemError if the folder cannot be
+        written, and for what a file cannot keep: a method of your own, a deformation of the mesh.
+        """
+        with self.state.Restored():
+            archive.Keep(self, folder)
+
+    @classmethod
+    def Load(cls, folder, problem, *, added=()):
+        """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again.
+
+        added : the forms that `disc.Add` was given, as forms on a space of the same mesh, method and order, or as functions of
+            the space that make them: added=[lambda space: BilinearForm(...)]
+
+        Raises ProblemError if the folder holds no solution, a damaged one, or one of another problem: all data are compared to
+        six digits, contact law and balance are verified.
+        """
+        disc, arrays, words = archive.Open(folder, problem, added)
+        history, levels, predicted = archive.Iteration(folder, arrays, words)
+        numbering = archive.Numbering(folder, disc, arrays)
+        solution = cls(disc, arrays["vector"][numbering], arrays["traction"], history=history, converged=words["converged"],
+                       solver=words["solver"], Predict=lambda: predicted)
+        solution.levels = levels
+        archive.Compare(folder, solution, arrays, numbering)
+        return solution
+
+
+def CheckSolution(solution, name="solution"):
+    """Raise ProblemError unless it is a ContactSolution."""
+    if not isinstance(solution, ContactSolution):
+        raise ProblemError(f"{name} is {solution!r}; give a ContactSolution, which Solve(disc) returns")

@@ -1,0 +1,126 @@
+"""Files for VTK and ParaView (.vtu): elements cut into linear cells with points of their own, or single points.
+
+NGSolve's VTKOutput writes tetrahedra and hexahedra with corners in another order than VTK's, so that their volumes are wrong.
+"""
+
+from itertools import permutations, product
+from pathlib import Path
+
+import numpy as np
+from ngsolve import HEX, PYRAMID, TET, TRIG, VOL, IntegrationRule, specialcf
+from ngsolve import QUAD as SQUARE
+
+from ..mesh.facets import TYPES, VOLUME_TYPES, Coordinates
+
+# VTK's numbers of cells; and for the corners of a mirrored cell the order in which it is right.
+VERTEX, TRIANGLE, QUAD, TETRA, HEXAHEDRON, WEDGE = 1, 5, 9, 10, 12, 13
+MIRRORED = {TRIANGLE: [0, 2, 1], QUAD: [0, 3, 2, 1], TETRA: [0, 1, 3, 2], HEXAHEDRON: [0, 3, 2, 1, 4, 7, 6, 5],
+            WEDGE: [0, 2, 1, 3, 5, 4]}
+CORNERS = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])     # of a square, in VTK's order
+DTYPES = {"Float64": "<f8", "Int64": "<i8", "UInt8": "<u1", "UInt32": "<u4", "UInt64": "<u8"}
+
+
+def _Kuhn(n, dim):
+    """Corners (cells, dim + 1, dim) of the n^dim simplices that fill n >= a >= b >= ... >= 0, by Kuhn's cut of cubes."""
+    steps = np.array([np.cumsum(np.vstack([np.zeros(dim, int), np.eye(dim, dtype=int)[list(order)]]), axis=0)
+                      for order in permutations(range(dim))])
+    cells = (np.array(list(product(range(n), repeat=dim)))[:, None, None] + steps).reshape(-1, dim + 1, dim)
+    return cells[np.all(np.diff(cells, axis=2) <= 0, axis=(1, 2))]
+
+
+def _Corners(et, n):
+    """(VTK's number, corners (cells, corners, d) in units of 1/n) of the cells of NGSolve's reference element."""
+    if et in (TRIG, TET):
+        # Of a >= b >= ... the differences are coordinates in the element.
+        return ((TRIANGLE, 2), (TETRA, 3))[et == TET][0], np.diff(_Kuhn(n, 2 + (et == TET))[..., ::-1], axis=2, prepend=0)
+    if et == PYRAMID:
+        a, b, c = np.moveaxis(_Kuhn(n, 3), 2, 0)
+        return TETRA, np.concatenate([np.stack(half, axis=2) for half in ((b, c, a - b), (c, b, a - b))])
+    if et == SQUARE:
+        return QUAD, np.array(list(product(range(n), repeat=2)))[:, None] + CORNERS
+    kind, plane = (HEXAHEDRON, _Corners(SQUARE, n)[1]) if et == HEX else (WEDGE, _Upright(*_Corners(TRIG, n)))
+    layers = [np.concatenate([np.insert(plane, 2, height, axis=2) for height in (k, k + 1)], axis=1) for k in range(n)]
+    return kind, np.concatenate(layers)
+
+
+def _Upright(kind, cells):
+    """Simplices (cells, dim + 1, dim) with the mirrored ones in their right order."""
+    mirrored = np.linalg.det(np.diff(cells, axis=1).astype(float)) < 0
+    return np.where(mirrored[:, None, None], cells[:, MIRRORED[kind]], cells)
+
+
+def Pattern(et, n):
+    """How n cells along every edge cut NGSolve's reference element: points (m, 3) in it, cells (c, corners), VTK's number."""
+    kind, corners = _Corners(et, n)
+    if kind in (TRIANGLE, TETRA):
+        corners = _Upright(kind, corners)
+    dim = corners.shape[2]
+    points, cells = np.unique(corners.reshape(-1, dim), axis=0, return_inverse=True)
+    return np.pad(points / n, ((0, 0), (0, 3 - dim))), cells.reshape(corners.shape[:2]), kind
+
+
+class ElementGrid:
+    """All elements of a mesh cut into linear cells; every element has its own points.
+
+    points : NGSolve's mesh points;  coordinates (m, 3);  cells : list of (VTK's number, corners (c, corners))
+    """
+
+    def __init__(self, facets, n):
+        mesh, dim = facets.mesh, facets.mesh.dim
+        patterns = {et: Pattern(et, n) for et in VOLUME_TYPES[dim]}
+        rules = {et: IntegrationRule([tuple(point) for point in points], [1.0] * len(points))
+                 for et, (points, _, _) in patterns.items()}
+        self.points = mesh.MapToAllElements(rules, VOL)
+        self.coordinates = np.zeros((len(self.points), 3))
+        self.coordinates[:, :dim] = np.asarray(Coordinates(dim)(self.points))
+        counts = (facets.vertices >= 0).sum(axis=1)
+        sizes = np.zeros(counts.max() + 1, dtype=int)
+        for count in np.unique(counts):
+            sizes[count] = len(patterns[TYPES[dim][count]][0])
+        starts = np.cumsum(sizes[counts]) - sizes[counts]
+        # The Jacobian of a pyramid has no limit at the apex.
+        jacobian = np.asarray(specialcf.JacobianMatrix(dim, dim)(self.points)).reshape(-1, dim, dim)
+        mirrored = np.add.reduceat(np.nan_to_num(np.linalg.det(jacobian)), starts) < 0
+        self.cells = []
+        for count in np.unique(counts):
+            _, cells, kind = patterns[TYPES[dim][count]]
+            own = counts == count
+            for turned, order in ((False, slice(None)), (True, MIRRORED[kind])):
+                chosen = starts[own & (mirrored == turned)]
+                if len(chosen):
+                    self.cells.append((kind, (chosen[:, None, None] + cells[:, order]).reshape(-1, cells.shape[1])))
+
+
+def WriteUnstructured(path, coordinates, cells, fields):
+    """Write points (m, 3), cells as `ElementGrid` has them, and {name: values at the points, (m,) or (m, components)}.
+
+    path : with or without its suffix .vtu; returns the Path of the file
+    """
+    path = Path(path)
+    if path.suffix != ".vtu":
+        path = path.with_name(path.name + ".vtu")
+    sizes = np.concatenate([np.full(len(corners), corners.shape[1]) for _, corners in cells])
+    kinds = np.concatenate([np.full(len(corners), kind, dtype=np.uint8) for kind, corners in cells])
+    topology = {"connectivity": np.concatenate([corners.ravel() for _, corners in cells]), "offsets": np.cumsum(sizes),
+                "types": kinds}
+    header = "UInt32" if max(array.nbytes for array in (coordinates, *fields.values())) < 2 ** 32 else "UInt64"
+    lines, blocks = [], []
+    for section, arrays in (("Points", {"Points": coordinates}), ("Cells", topology), ("PointData", fields)):
+        lines.append(f"<{section}>")
+        for name, array in arrays.items():
+            kind = {"f": "Float64", "u": "UInt8", "i": "Int64"}[array.dtype.kind]
+            components = array.shape[1] if array.ndim == 2 else 1
+            lines.append(f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="appended" '
+                         f'offset="{sum(map(len, blocks))}"/>')
+            data = np.ascontiguousarray(array, dtype=DTYPES[kind]).tobytes()
+            blocks.append(np.array(len(data), dtype=DTYPES[header]).tobytes() + data)
+        lines.append(f"</{section}>")
+    with open(path, "wb") as file:
+        file.write(f'<?xml version="1.0"?>\n<VTKFile type="UnstructuredGrid" version="1.0" byte_order="LittleEndian" '
+                   f'header_type="{header}">\n<UnstructuredGrid>\n<Piece NumberOfPoints="{len(coordinates)}" '
+                   f'NumberOfCells="{len(sizes)}">\n'.encode())
+        file.write("\n".join([*lines, "</Piece>", "</UnstructuredGrid>", '<AppendedData encoding="raw">', "_"]).encode())
+        for block in blocks:
+            file.write(block)
+        file.write(b"\n</AppendedData>\n</VTKFile>\n")
+    return path

@@ -1,0 +1,55 @@
+"""How a foundation holds a body that nothing else holds: by its own stiffness, at the depth where it carries the loads."""
+
+import numpy as np
+
+from ...contact.graph import Resolvent, Share
+
+DEEPEST = 1e-12     # stiffness in units of the body's, that limits the depth where a law ends before it carries the loads
+TOUCH = 1e-6        # penetration that counts as contact, in units of the extent of Gamma_C
+
+
+class Holding:
+    """The depth at which the foundation carries the loads if it is the same everywhere, and how stiff it is from there on.
+
+    scale : gamma (n,) of the graph [stress/length]
+
+    Attributes
+    ----------
+    depth : r > 0 with int_GammaC p_n(r) = |loads| [length], 0 without loads
+    stiffness : p_n(r)/r at that depth (n,) [stress/length]
+    slope : dt/dq (n, d, d) with the secant stiffness p_n(r)/r along the normal, and that of stick where there is friction.
+        A soft foundation holds a body as well as a stiff one: what counts as little is measured by this, not by the body
+    """
+
+    def __init__(self, disc, scale):
+        contact = self.contact = disc.contact
+        self.scale, weights = scale, contact.weights / contact.weights.sum()
+        load = np.linalg.norm(disc.resultant) / contact.weights.sum()
+        depth, _ = Resolvent(lambda r: np.array([weights @ self._Law("Pressure", r[0])]),
+                             lambda r: np.array([weights @ self._Law("PressureDerivative", r[0])]),
+                             DEEPEST * scale.min(), np.array([load]))
+        self.depth = float(depth[0])
+        stiffness = self.stiffness = self._Law("Pressure", self.depth) / self.depth if self.depth > 0 else scale
+        normal = contact.normals[:, :, None] * contact.normals[:, None, :]
+        self.slope = Share(stiffness, scale)[:, None, None] * normal
+        for _, here, _, friction in contact.parts:
+            if friction is not None:
+                self.slope[here] += np.eye(contact.dim) - normal[here]
+
+    def _Law(self, method, r):
+        """Pressure or PressureDerivative (n,) at one penetration; it may not be finite, where a law has ended."""
+        values = np.empty(len(self.scale))
+        for _, here, compliance, _ in self.contact.parts:
+            values[here] = getattr(compliance, method)(np.full(here.stop - here.start, r))
+        return values
+
+    def Rest(self):
+        """q (n, d) of a start in contact everywhere, or the first step would be a flight.
+
+        It is as deep as if all points carried the loads: a law that starts flat, like r^3, has no slope at touch.
+        """
+        contact, q = self.contact, np.zeros(len(self.scale))
+        if self.depth > 0:
+            r = max(self.depth, TOUCH * np.ptp(contact.coordinates, axis=0).max())
+            q = self._Law("Pressure", self.depth) + self.scale * (r + contact.gap)
+        return q[:, None] * contact.normals

@@ -1,0 +1,293 @@
+"""Public names, and valid arguments for every parameter that they have: what an attack spoils."""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+from collections.abc import Callable
+from functools import cached_property, partial
+from pathlib import Path
+from signal import SIGINT, raise_signal
+from typing import Any
+
+import numpy as np
+from netgen.occ import Box, Rectangle
+from ngsolve import CF, BilinearForm, GridFunction, LinearForm, dx, x
+
+from ... import exact
+from ...contracts import Array
+from ...discretization import Discretization
+from ...linear.choice import Inverse
+from ...meshes import BOXCELLS, CELLS, UnitMesh
+from ...methods.rows import LDG, METHODS, InteriorPenalty
+from ...problem.foundation import Foundation
+from ...problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction,
+                             SlipWeakeningFriction, TrescaFriction)
+from ...problem.materials import HookeMaterial, Strain
+from ...problem.problem import ContactProblem
+from ...solution.solution import ContactSolution
+
+MODULES = ("ngdgc", "ngdgc.meshes", "ngdgc.exact", "ngdgc.traces", "ngdgc.errors", "ngdgc.plots", "ngdgc.export",
+           "ngdgc.methods.variants", "ngdgc.theory.lemmas", "ngdgc.theory.consistency")
+# Pictures of studies, and what a figure is made of: they take what the studies return.
+STUDIES = ("AtlasFigure", "GrowthFigure", "ConvergenceFigure", "AccuracyFigure", "LockingFigure", "SweepFigure",
+           "LiftingBounds")
+# What solvers and discretisations call of each other, with arguments of their own making.
+CONTRACTS = ("Space", "ScalarSpace", "Form", "Inverse", "Factorise", "ApplyInverse", "Iterate", "CheckData", "Current")
+
+
+def Public() -> dict[str, tuple[Any, str]]:
+    """{name: (class or function, name of its method or property, or "")} of all that users may call."""
+    found: dict[str, tuple[Any, str]] = {}
+    for module in map(importlib.import_module, MODULES):
+        names = getattr(module, "__all__", None) or [name for name, value in vars(module).items() if callable(value)
+                                                     and getattr(value, "__module__", "").startswith(module.__name__)]
+        for name in names:
+            thing = getattr(module, name)
+            if name.startswith("_") or name in STUDIES:
+                continue
+            found[name] = thing, ""
+            for member in dir(thing) if inspect.isclass(thing) and thing.__module__.startswith("ngdgc") else ():
+                of = getattr(thing, member)
+                where = next(base for base in thing.__mro__ if member in vars(base)).__module__
+                if not member.startswith("_") and where.startswith("ngdgc") and (callable(of) or isinstance(
+                        of, (property, cached_property))):
+                    found[f"{name}.{member}"] = thing, member
+    return found
+
+
+class Setting:
+    """Valid things that belong together, drawn from random numbers: a small body, its problem, a solution of it."""
+
+    def __init__(self, rng: np.random.Generator, folder: Path) -> None:
+        self.rng, self.folder = rng, folder
+        self.cells = str(rng.choice([*CELLS, *CELLS, *BOXCELLS]))
+        self.dim, self.order = 2 if self.cells in CELLS else 3, int(rng.integers(1, 4 if self.cells in CELLS else 3))
+
+    def Choose(self, *values: Any) -> Any:
+        return values[self.rng.integers(len(values))]
+
+    def Number(self, low: float, high: float) -> Any:
+        """A number between two, equally likely in every decade, of any type."""
+        value = float(np.exp(self.rng.uniform(np.log(low), np.log(high))))
+        return self.Choose(float, float, np.float64, np.float32, np.array)(value)
+
+    def Vector(self, size: float) -> Any:
+        value = tuple((size * self.rng.uniform(-1, 1, self.dim)).tolist())
+        return self.Choose(value, CF(value), list(value), np.array(value))
+
+    @cached_property
+    def mesh(self) -> Any:
+        return UnitMesh(int(self.rng.integers(1, 4 if self.dim == 2 else 2)), self.cells)
+
+    @cached_property
+    def material(self) -> Any:
+        return HookeMaterial(E=self.Number(10, 1e5), nu=self.rng.uniform(0, 0.49), plane=self.Choose("strain", "stress")
+                             if self.dim == 2 else "strain")
+
+    @cached_property
+    def compliance(self) -> Any:
+        return NormalCompliance(self.Choose(self.Number(1, 1e7), 100 * (1 + x)), self.Choose(1, 1, 0.5, 1.5))
+
+    @cached_property
+    def friction(self) -> Any:
+        return self.Choose(None, CoulombFriction(self.Number(0.05, 0.5)), TrescaFriction(self.Number(0.1, 10)), PowerFriction(
+            self.Number(1, 100)), SlipWeakeningFriction(0.3, 0.2, 1.0))
+
+    @cached_property
+    def foundation(self) -> Foundation:
+        return Foundation("bottom", self.compliance, friction=self.friction, gap=self.Choose(0, 0.01, 0.01 * x))
+
+    @cached_property
+    def problem(self) -> ContactProblem:
+        top = (*(0.01 * self.rng.uniform(-1, 1, self.dim - 1)).tolist(), -0.05)
+        return ContactProblem(self.material, self.foundation, dirichlet={"top": top})
+
+    @cached_property
+    def method(self) -> Any:
+        row = self.Choose(*METHODS.values())
+        return row(form=self.Choose("edge", "lifting")) if row.discontinuous else row()
+
+    @cached_property
+    def disc(self) -> Discretization:
+        return self.Discretization()
+
+    def Discretization(self, **changes: Any) -> Discretization:
+        data = {"problem": self.problem, "method": self.method, "mesh": self.mesh, "order": self.order, **changes}
+        return Discretization(data.pop("problem"), data.pop("method"), data.pop("mesh"), **data)
+
+    @cached_property
+    def solution(self) -> ContactSolution:
+        return self.disc.Solve()
+
+    @cached_property
+    def exact(self) -> Any:
+        return exact.AffinePatch("slip", dim=self.dim)
+
+    def Form(self) -> Any:
+        u, v = self.disc.space.TnT()
+        return self.Choose(BilinearForm(u * v * dx), LinearForm(CF((1,) * self.dim) * v * dx))
+
+    def Points(self, size: float) -> Array:
+        return size * self.rng.uniform(-1, 1, len(self.disc.contact.weights))
+
+    def Saved(self) -> Path:
+        self.solution.Save(self.folder / "saved")
+        return self.folder / "saved"
+
+    def Of(self, parameter: str, owner: str = "") -> Any:
+        """A valid value of a parameter of a public name; LookupError for one that nobody has thought of."""
+        for name in (f"{owner}.{parameter}", parameter):
+            if name in VALID:
+                return VALID[name](self)
+        raise LookupError(f"no valid value of {parameter} of {owner} is known; add one to VALID")
+
+    def Object(self, kind: Any) -> Any:
+        """A valid object of a public class."""
+        ready = {ContactProblem: "problem", Discretization: "disc", ContactSolution: "solution", Foundation: "foundation"}
+        if kind in ready:
+            return getattr(self, ready[kind])
+        if kind is ComplianceLaw or kind is FrictionLaw:
+            return self.compliance if kind is ComplianceLaw else TrescaFriction(1)
+        if kind is exact.Exact:
+            return self.exact
+        return kind(**{name: self.Of(name, kind.__name__) for name, one in inspect.signature(kind).parameters.items()
+                       if one.default is one.empty or name in NEEDED.get(kind.__name__, ())})
+
+
+NEEDED = {"HookeMaterial": ("E", "nu")}     # parameters with defaults that are given all the same
+LEFT = {"HookeMaterial": ("mu", "lam")}     # those that are not
+SIGNATURES = {"Solve": ("disc",), "ProblemError": ("message",)}     # NGSolve's own, and an exception, do not tell theirs
+
+
+def Parameters(name: str, function: Any) -> list[inspect.Parameter]:
+    """The parameters of a public function, or of a constructor, that may be given."""
+    if name in SIGNATURES:
+        return [inspect.Parameter(one, inspect.Parameter.POSITIONAL_OR_KEYWORD) for one in SIGNATURES[name]]
+    return [one for one in inspect.signature(function).parameters.values()
+            if one.kind is not one.VAR_KEYWORD and one.name not in LEFT.get(name, ())]
+
+
+def Interrupt(step: Any) -> None:
+    """A callback that does what Ctrl-C does."""
+    raise_signal(SIGINT)
+
+
+RANGES = {
+    "E": (10, 1e5), "mu": (1, 1e4), "lam": (0.1, 1e4), "stiffness": (1, 1e6), "exponent": (0.5, 2), "coefficient": (0.01, 0.6),
+    "bound": (0.01, 10), "static": (0.3, 0.5), "dynamic": (0.1, 0.3), "distance": (0.1, 10), "penalty": (20, 200),
+    "tol": (1e-9, 1e-6), "rho": (0.1, 10), "depth": (0.01, 1), "slip": (0.01, 1), "maxh": (0.3, 1), "scale": (0.1, 10),
+    "height": (0.5, 2), "opening": (0.01, 0.03), "alpha": (0.01, 0.1), "reserve": (5, 10), "pressure": (1, 10)}
+# {parameter, or method.parameter: function of a Setting}
+VALID: dict[str, Callable[[Setting], Any]] = {
+    **{name: partial(Setting.Number, low=low, high=high) for name, (low, high) in RANGES.items()},
+    # Materials, laws, problems.
+    "nu": lambda s: s.rng.uniform(0, 0.49),
+    "plane": lambda s: s.Choose("strain", "stress"),
+    "voigt": lambda s: 100 * np.eye(3 if s.dim == 2 else 6),
+    "boundary": lambda s: s.Choose("bottom", "bott.*"),
+    "compliance": lambda s: s.compliance,
+    "friction": lambda s: s.friction,
+    "gap": lambda s: s.Choose(0, 0.01, 0.01 * x),
+    "material": lambda s: s.material,
+    "foundation": lambda s: s.Choose(s.foundation, [s.foundation]),
+    "FromTraces.foundation": lambda s: Foundation("bottom", NormalCompliance(100)),
+    "dirichlet": lambda s: {"top": s.Vector(0.05)},
+    "roller": lambda s: {"right": 0},
+    "traction": lambda s: {"left": s.Vector(0.1)},
+    "bodyforce": lambda s: s.Vector(0.1),
+    "r": lambda s: s.Points(1),
+    "p": lambda s: abs(s.Points(1)),
+    "Coefficient.slip": lambda s: abs(s.Points(1)),
+    "npoints": lambda s: 1,
+    "name": lambda s: "the law's ",
+    "strain": lambda s: s.solution.strain,
+    "OtherStress.strain": lambda s: Strain(s.disc.space.TrialFunction()),
+    "points": lambda s: s.disc.contact.inside,
+    "_": lambda s: (),
+    # Meshes, methods, discretisations.
+    "n": lambda s: int(s.rng.integers(1, 4)),
+    "cells": lambda s: s.cells,
+    "RectangleMesh.cells": lambda s: s.Choose(*CELLS),
+    "BoxMesh.cells": lambda s: s.Choose(*BOXCELLS),
+    "RectangleMesh.lower": lambda s: (0, -1),
+    "RectangleMesh.upper": lambda s: (1, 2),
+    "BoxMesh.lower": lambda s: (0, -1, 0),
+    "BoxMesh.upper": lambda s: (1, 2, 3),
+    "shape": lambda s: Rectangle(1, 2).Face() if s.dim == 2 else Box((0, 0, 0), (1, 2, 1)),
+    "weighting": lambda s: s.Choose("mu", "C"),
+    "form": lambda s: s.Choose("edge", "lifting"),
+    "liftorder": lambda s: s.order,
+    "singular": lambda s: False,
+    "problem": lambda s: s.problem,
+    "method": lambda s: s.method,
+    "CriticalPenalty.method": lambda s: s.Choose(LDG, InteriorPenalty),
+    "Variants.method": lambda s: s.Choose("all", *METHODS),
+    "mesh": lambda s: s.mesh,
+    "order": lambda s: s.order,
+    "assembly": lambda s: s.Choose("facet", "skeleton"),
+    "inverse": lambda s: s.Choose("auto", "umfpack", "iterative"),
+    "ApplyInverse.inverse": lambda s: s.disc.inverse,
+    "Iterate.inverse": lambda s: Inverse(s.disc, s.disc.matrix, "iterative"),
+    "Iterate.start": lambda s: 0 * s.disc.load,
+    "Add.form": Setting.Form,
+    "clamped": lambda s: "top",
+    "facets": lambda s: s.disc.facets,
+    "space": lambda s: s.disc.space,
+    "matrix": lambda s: s.disc.matrix,
+    "load": lambda s: s.disc.load.copy(),
+    "vector": lambda s: s.solution.vector.copy(),
+    "Response.traction": lambda s: s.solution.traction.copy(),
+    "facet": lambda s: 0,
+    "gfu": lambda s: GridFunction(s.disc.space),
+    "functional": lambda s: s.disc.load.copy(),
+    # Solvers.
+    "disc": lambda s: s.disc,
+    "maxiter": lambda s: int(s.rng.integers(50, 2000)),
+    "normal": lambda s: s.Choose("explicit", "implicit"),
+    "acceleration": lambda s: s.Choose(None, "anderson"),
+    "coarser": lambda s: s.Choose(None, (), [UnitMesh(1, s.cells)]),
+    "callback": lambda s: s.Choose(repr, Interrupt) if s.rng.random() < 0.1 else None,
+    "start": lambda s: s.Choose(None, (s.solution.displacement, s.solution.traction)),
+    "count": lambda s: int(s.rng.integers(1, 4)),
+    "seed": lambda s: int(s.rng.integers(10)),
+    "penetration": lambda s: s.Points(0.1),
+    "step": lambda s: s.rng.uniform(0, 1),
+    # Solutions, files, pictures.
+    "solution": lambda s: s.solution,
+    "solutions": lambda s: {"one": s.solution},
+    "Animation.solutions": lambda s: [s.solution, s.solution],
+    "ContactSolution.traction": lambda s: s.solution.traction.copy(),
+    "history": lambda s: [],
+    "converged": lambda s: True,
+    "solver": lambda s: "none",
+    "Predict": lambda s: None,
+    "message": lambda s: "an iteration that failed",
+    "contraction": lambda s: None,
+    "region": lambda s: s.Choose("top", "bottom", ".*"),
+    "Force.material": lambda s: s.Choose(None, ".*"),
+    "point": lambda s: tuple(s.rng.uniform(0.1, 0.9, s.dim).tolist()),
+    "folder": lambda s: s.folder / "out",
+    "Load.folder": Setting.Saved,
+    "added": lambda s: (),
+    "path": lambda s: str(s.folder / "file.html"),
+    "ContactFigure.slip": lambda s: s.Choose(True, False),
+    "stress": lambda s: s.solution.stress,
+    # Exact solutions and errors.
+    "dim": lambda s: s.dim,
+    "u": lambda s: CF((x, 0, 0)[:s.dim]),
+    "displacement": lambda s: CF((x,) * s.dim),
+    "zone": lambda s: s.Choose("slip", "stick", "open"),
+    "zones": lambda s: s.exact.zones,
+    "sides": lambda s: s.Choose("dirichlet", "roller", "traction"),
+    "coulomb": lambda s: s.Choose(None, 0.3),
+    "un": lambda s: 0.1,
+    "ut": lambda s: 0.0,
+    "FromTraces.pressure": lambda s: 10.0,
+    "shear": lambda s: 0.0,
+    "ends": lambda s: (0.25, 0.75),
+    "ThreeZones.un": lambda s: 0.02,
+    "ThreeZones.ut": lambda s: 0.02,
+    "power": lambda s: 2,
+    "errors": lambda s: [4.0, 2.0, 1.0],
+    "ratio": lambda s: 2}

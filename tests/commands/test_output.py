@@ -1,0 +1,308 @@
+"""Progress in a terminal, a notebook and a log; numbers of a solution as JSON."""
+
+import io
+import json
+import os
+import pty
+import re
+import subprocess
+import sys
+from types import ModuleType, SimpleNamespace
+
+import numpy as np
+import pytest
+from ngsolve import CF, IfPos, Parameter, exp, sin, specialcf, sqrt, x, y
+
+from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, ContactSolution, CoulombFriction, Foundation,
+                   HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, PowerFriction, SemismoothNewtonSolver,
+                   SlipWeakeningFriction, SolveInterrupted, TrescaFriction, UzawaSolver)
+from ngdgc.commands import output
+from ngdgc.cases import example_4_1, example_4_2
+from ngdgc.export import Scene
+from ngdgc.tools.formula import Formula
+from ngdgc.meshes import RectangleMesh
+from ngdgc.commands.output import EVERY, FIRST, Progress
+from ngdgc.solution.report import SCHEMA, Plain
+from ngdgc.solution.history import Prediction, Step
+
+NUMBER = re.compile(r"iteration +(\d+) ")
+
+
+def Steps(count):
+    return [Step(number, 0.5**number, 0.25**number, number, 0.01 * number) for number in range(1, count + 1)]
+
+
+def Follow(progress, steps):
+    for step in steps:
+        progress(step)
+
+
+def Shown(text):
+    return [int(number) for number in NUMBER.findall(text)]
+
+
+class Screen:
+    """A terminal of some width that understands what `Progress` writes; `rows` are the lines that can be read on it."""
+
+    def __init__(self, width):
+        self.width, self.rows = width, [""]
+
+    def Feed(self, text):
+        for piece in re.findall(r"\x1b\[F|\x1b\[K|\n|[^\x1b\n]+", text):
+            if piece == "\x1b[F":
+                self.rows.pop()
+            elif piece == "\x1b[K":
+                self.rows[-1] = ""
+            elif piece == "\n":
+                self.rows.append("")
+            else:
+                self.rows[-1] += piece
+                while len(self.rows[-1]) > self.width:
+                    self.rows[-1:] = [self.rows[-1][:self.width], self.rows[-1][self.width:]]
+        return self
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+@pytest.mark.parametrize("width", [200, 80, 40])
+def test_a_terminal_shows_one_line_rewritten(width, monkeypatch):
+    """However narrow it is; what is printed next stands on its own line, and the next solve begins another one."""
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", str(width))
+    stream = Terminal()
+    progress = Progress(stream)
+    Follow(progress, Steps(25))
+    stream.write("result\n")
+    Follow(progress, Steps(3))
+    progress.Close()
+    rows = Screen(width).Feed(stream.getvalue()).rows
+    assert [row[:len("iteration    25")] for row in rows] == ["iteration    25", "result", "iteration     3", ""]
+    assert max(map(len, rows)) < width and len(Shown(stream.getvalue())) == 28
+    # A terminal narrower than told breaks the lines: the screen above does find that.
+    assert len(Screen(30).Feed(stream.getvalue()).rows) > 4
+
+
+def Lines(reader, count):
+    """The next lines of a terminal, which hands them over one by one."""
+    text = b""
+    while text.count(b"\n") < count:
+        text += os.read(reader, 4096)
+    return text
+
+
+def test_a_real_terminal_is_recognised(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    reader, writer = pty.openpty()
+    with os.fdopen(writer, "w") as stream:
+        Follow(Progress(stream), Steps(2))
+        assert Lines(reader, 2).count(b"\x1b[F") == 1
+        monkeypatch.setenv("TERM", "dumb")
+        Follow(Progress(stream), Steps(20))
+        assert b"\x1b" not in Lines(reader, 3)
+    os.close(reader)
+
+
+def test_a_log_gets_every_tenth_line_at_once(tmp_path):
+    """Each line can be read while the iteration goes on; `Close` adds the last one, once."""
+    with open(tmp_path / "log", "w") as stream:
+        progress = Progress(stream)
+        for step in Steps(3 * EVERY + 5):
+            progress(step)
+            lines = (tmp_path / "log").read_text().splitlines()
+            assert len(lines) == 1 + step.number // EVERY
+        progress.Close()
+        progress.Close()
+    text = (tmp_path / "log").read_text()
+    assert Shown(text) == [1, 10, 20, 30, 35] and "\x1b" not in text and "\r" not in text
+    assert all(f"{0.5**number:9.2e}" in line for number, line in zip((1, 10, 20, 30, 35), text.splitlines()))
+
+
+@pytest.fixture
+def notebook(monkeypatch):
+    """What a notebook is told, [(content, "new" or "update")], and what it calls at the end of a cell, a list."""
+    shown, atend = [], []
+    events = SimpleNamespace(register=lambda name, call: atend.append(call), unregister=lambda name, call: atend.remove(call))
+    ipython = ModuleType("IPython")
+    ipython.get_ipython = lambda: SimpleNamespace(kernel=None, events=events)
+    ipython.display = ModuleType("IPython.display")
+
+    def display(content, *, raw, display_id):
+        shown.append((content["text/plain"], "new"))
+        return SimpleNamespace(update=lambda content, raw: shown.append((content["text/plain"], "update")))
+
+    ipython.display.display = display
+    monkeypatch.setitem(sys.modules, "IPython", ipython)
+    monkeypatch.setitem(sys.modules, "IPython.display", ipython.display)
+    return shown, atend
+
+
+def test_a_notebook_updates_one_line(notebook, monkeypatch, capsys):
+    """Not a line for each of 5000 iterations: after the first ones at most ten updates a second, at the end the last."""
+    shown, atend = notebook
+    clock = iter(np.arange(0, 1000, 0.001))
+    monkeypatch.setattr(output.time, "perf_counter", lambda: next(clock))
+    progress = Progress()
+    Follow(progress, Steps(5000))
+    assert Shown(shown[-1][0])[0] < 5000
+    (call,) = atend
+    call(None)
+    numbers = [Shown(text)[0] for text, _ in shown]
+    assert [kind for _, kind in shown] == ["new"] + ["update"] * (len(shown) - 1)
+    assert numbers[:FIRST] == list(range(1, FIRST + 1)) and numbers[-1] == 5000
+    assert FIRST + 10 < len(shown) < FIRST + 5000 * 0.001 / output.PAUSE * 2 and capsys.readouterr().out == "" and not atend
+    Follow(progress, Steps(2))
+    assert [kind for _, kind in shown[-2:]] == ["new", "update"]
+
+
+def test_elsewhere_the_standard_output_is_taken(capsys):
+    """Also where IPython is there, but no notebook."""
+    Follow(Progress(), Steps(1))
+    assert Shown(capsys.readouterr().out) == [1]
+
+
+@pytest.mark.parametrize("live", [True, False])
+def test_a_closed_output_does_not_disturb_the_solution(live, monkeypatch):
+    """Closed after the third iteration: the solution is that without progress.  A plain writer would raise."""
+    monkeypatch.setenv("TERM", "xterm")
+    stream = Terminal() if live else io.StringIO()
+    progress = Progress(stream)
+
+    def Callback(step):
+        if step.number == 3:
+            stream.close()
+        progress(step)
+
+    expected = example_4_1.Main(n=2, solver=UzawaSolver())
+    solution = example_4_1.Main(n=2, solver=UzawaSolver(), callback=Callback)
+    progress.Close()
+    assert stream.closed and len(solution.history) > 2 * EVERY and np.array_equal(solution.vector, expected.vector)
+    with pytest.raises(ValueError):
+        example_4_1.Main(n=2, callback=lambda step: stream.write("x"))
+
+
+def test_a_broken_pipe_does_not_disturb_the_iteration():
+    reader, writer = os.pipe()
+    os.close(reader)
+    stream = os.fdopen(writer, "w")
+    progress = Progress(stream)
+    Follow(progress, Steps(100))
+    assert progress.stream is not stream
+    with pytest.raises(BrokenPipeError):
+        stream.close()
+
+
+def test_ctrl_c_keeps_the_last_iterate():
+    """What is interrupted inside of the callback, too, has its iterate."""
+    def Interrupted(step):
+        if step.number == 4:
+            raise KeyboardInterrupt
+
+    with pytest.raises(SolveInterrupted, match="interrupted after 4 iterations") as stop:
+        example_4_1.Main(n=2, solver=UzawaSolver(), callback=Interrupted)
+    solution = stop.value.solution
+    assert len(solution.history) == 4 and not solution.converged and solution.normalforce > 0
+    assert "NOT CONVERGED" in solution.Report()
+
+
+@pytest.fixture(scope="module")
+def solution():
+    return example_4_2.Main(n=2)
+
+
+def test_json_returns_as_it_went(solution):
+    """Types, nesting and every digit; `Plain` is needed, numpy's numbers would be refused or written as NaN."""
+    numbers = solution.ToJSON()
+    assert json.loads(json.dumps(numbers, allow_nan=False)) == numbers
+    assert numbers["elastic_energy"] == solution.energy and numbers["iterations"] == len(solution.history)
+    assert numbers["levels"][-1]["dofs"] == solution.disc.space.ndof
+    bare = {"a": np.int64(3), "b": (np.bool_(True), np.float64("nan")), "c": [float("inf"), 0.5]}
+    with pytest.raises(TypeError):
+        json.dumps(bare)
+    assert json.loads(json.dumps(Plain(bare), allow_nan=False)) == {"a": 3, "b": [True, None], "c": [None, 0.5]}
+
+
+def test_a_solution_that_blew_up_is_still_json(solution):
+    """As a diverged iteration leaves it: every number that depends on u is None, the rest stays."""
+    lost = ContactSolution(solution.disc, np.full_like(solution.vector, np.nan), solution.traction, converged=False)
+    with np.errstate(all="ignore"):
+        numbers = lost.ToJSON()
+    assert json.loads(json.dumps(numbers, allow_nan=False)) == numbers
+    assert numbers["elastic_energy"] is None and numbers["slip"] == {"smallest": None, "largest": None}
+    assert numbers["normal_force"] == solution.normalforce and not np.isfinite(lost.energy)
+
+
+def test_the_schema_says_what_json_holds(solution):
+    """Every key and no other; only H1 has no balance of elements."""
+    assert list(sorted(solution.ToJSON())) == sorted(SCHEMA)
+    conforming = example_4_2.Main(n=2, method=Conforming()).ToJSON()
+    assert set(SCHEMA) - set(conforming) == {"element_imbalance"}
+    never = ContactSolution(solution.disc, solution.vector, solution.traction).ToJSON()
+    assert set(never) == set(SCHEMA)
+    for key, meaning in SCHEMA.items():
+        assert meaning and (never[key] is not None or "null" in meaning), key
+
+
+def test_progress_loads_no_notebook():
+    """It asks for IPython only where that is loaded already."""
+    code = "import sys, ngdgc.commands.output as o; p = o.Progress(); print('IPython' in sys.modules, p.display)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "None"]
+
+
+@pytest.mark.parametrize("function, text", [
+    (100 * (1 + x), "100*(x + 1)"), (CF((200 * (5 - y), -190)), "(200*(5 - y), -190)"), (CF((0, -1)), "(0, -1)"),
+    (sin(x) * 2 - y / 4, "2*sin(x) - 0.25*y"), (x - (y - 1), "x - (y - 1)"), (x - y - 1, "x - y - 1"), (x / (y * x), "x/(y*x)"),
+    (-x, "-x"), (-(x + y), "-(x + y)"), (IfPos(x - 1, 1, 2), "IfPos(x - 1, 1, 2)"), (CF(3), "3"),
+    (Parameter(2), "Parameter(2)"), (sqrt(x * x + y * y), "sqrt(x*x + y*y)"),
+    (x * (y * 2), "x*2*y"), (CF((x, y)) * 2, "2*(x, y)"),
+    (specialcf.normal(2), "CF(dim=2)"), (specialcf.mesh_size, "CF(...)"), (x**40, "CF(...)"),
+    (CF((0, 0)), "(0, 0)"), (CF(0), "0")])
+def test_coefficients_read_as_they_are_written(function, text):
+    """What is no short formula is not made to look like one."""
+    assert Formula(function) == text
+
+
+def test_formulas_mean_what_they_say():
+    """The text, read by Python, has the values of the function: also parentheses of - and /."""
+    mesh = RectangleMesh(1)
+    names = {"x": 0.3, "y": 0.6, "sin": np.sin, "exp": np.exp}
+    for function in (x - (y - x), x / (y / x), (x - y) * (x + y), 2 - 3 * (x - 1), exp(-x) / (1 + y), -(x - y) * sin(y - x)):
+        assert eval(Formula(function), names) == pytest.approx(function(mesh(0.3, 0.6)), rel=1e-12)
+    assert eval("x - y - x", names) != pytest.approx((x - (y - x))(mesh(0.3, 0.6)))
+
+
+def test_every_object_says_what_it_is(solution):
+    """One line each, without addresses of objects; what is given in numbers can be written back."""
+    foundation = Foundation("bottom", NormalCompliance(100 * (1 + x)), friction=CoulombFriction(0.4), gap=0.1 * x)
+    assert repr(foundation) == ("Foundation(boundary='bottom', compliance=NormalCompliance(stiffness=100*(x + 1), exponent=1), "
+                                "friction=CoulombFriction(coefficient=0.4), gap=0.1*x)")
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": (0, -0.1)}, bodyforce=(0, -1))
+    assert repr(problem) == (f"ContactProblem(material=HookeMaterial(E=1000, nu=0.3, plane='strain'), "
+                             f"foundation=({foundation!r},), " "dirichlet={'top': (0, -0.1)}, bodyforce=(0, -1))")
+    written = [HookeMaterial(mu=1, lam=2), HookeMaterial(E=5, nu=0.25, plane="stress"), PowerFriction(2, 0.5),
+               TrescaFriction(1),
+               AnisotropicMaterial([[3, 1, 0], [1, 3, 0], [0, 0, 1]]), NormalCompliance(3, 0.5), CoulombFriction(0.3),
+               SlipWeakeningFriction(static=0.5, dynamic=0.3, distance=0.01), InteriorPenalty(penalty=30), LDG(form="lifting"),
+               Conforming(), UzawaSolver(tol=1e-6), NestedNewtonSolver(), SemismoothNewtonSolver(maxiter=9)]
+    for value in written:
+        assert eval(repr(value)) == value
+    for value in (*written, problem, solution, solution.disc, solution.history[0], solution.levels[0], solution.rates,
+                  solution.disc.contact.parts[0][2], Scene(solution)):
+        assert not re.search(r"object at|np\.|mappingproxy|\n", repr(value)), repr(value)
+    assert re.search("object at", repr(x))
+
+
+def test_coarser_meshes_show_that_they_go_on():
+    """Every mesh begins with a line that says how large it is; a plain function is told of the last mesh alone."""
+    stream, steps = io.StringIO(), []
+    solution = example_4_1.Main(n=32, callback=Progress(stream))
+    lines = stream.getvalue().splitlines()
+    sizes = [f"prediction with {level.dofs} unknowns, iteration     1 " for level in solution.levels[:-1]]
+    assert sizes and all(any(line.startswith(size) for line in lines) for size in sizes)
+    last = [number for number, line in enumerate(lines) if line.startswith("prediction")][-1] + 1
+    assert lines[last].startswith("iteration     1 ")
+    again = example_4_1.Main(n=32, callback=steps.append)
+    assert steps == again.history and not any(isinstance(step, Prediction) for step in steps)

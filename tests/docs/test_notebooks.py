@@ -1,0 +1,130 @@
+"""The notebooks: stored without outputs, run without errors, with pictures and exercises that wait for an answer."""
+
+import ast
+import json
+import re
+import time
+from pathlib import Path
+
+import pytest
+
+from ngdgc.exercises import EXERCISES
+
+FOLDER = Path(__file__).parents[2] / "docs" / "notebooks"
+NOTEBOOKS = sorted(FOLDER.glob("*.ipynb"))
+SECONDS = 60        # of CPU time for one notebook
+LIVE = 1.0          # second for an answer to a slider
+ALLOWED = {"ngdgc", "ngsolve", "numpy", "scipy", "matplotlib", "ipywidgets", "IPython", "dataclasses", "functools"}
+
+
+def Cells(path, kind="code", tag=None):
+    return [cell for cell in json.loads(path.read_text())["cells"]
+            if cell["cell_type"] == kind and (tag is None or tag in cell["metadata"].get("tags", ()))]
+
+
+def Source(cell):
+    """Python without the magic commands of notebooks."""
+    return "".join(line for line in cell["source"] if not line.startswith("%"))
+
+
+def Imported(path):
+    """Top-level names of all modules that a notebook imports."""
+    for node in ast.walk(ast.parse("\n".join(map(Source, Cells(path))))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name.split(".")[0] for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            yield node.module.split(".")[0]
+
+
+def Stored(notebook):
+    """What a stored notebook must not hold: problems as sentences."""
+    for number, cell in enumerate(notebook["cells"]):
+        if cell.get("outputs") or cell.get("execution_count") is not None:
+            yield f"cell {number} has outputs"
+        if not re.fullmatch(rf"\d\d-{number:02d}", cell["id"]):
+            yield f"the id of cell {number} is {cell['id']}"
+
+
+def test_there_are_ten_notebooks_each_with_model_solutions():
+    assert [path.stem[:2] for path in NOTEBOOKS] == [f"{number:02d}" for number in range(1, 11)]
+    assert [path.stem for path in NOTEBOOKS] == [path.stem for path in sorted((FOLDER / "solutions").glob("*.py"))]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_are_stored_without_outputs(path):
+    notebook = json.loads(path.read_text())
+    assert list(Stored(notebook)) == []
+    spoilt = json.loads(path.read_text())
+    code = next(cell for cell in spoilt["cells"] if cell["cell_type"] == "code")
+    code["execution_count"] = 1
+    spoilt["cells"][0]["id"] = "a1b2"
+    assert len(list(Stored(spoilt))) == 2
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_need_the_library_alone(path):
+    assert set(Imported(path)) <= ALLOWED
+    assert {"ngdgc", "matplotlib"} <= set(Imported(path))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_every_exercise_has_one_cell_for_its_answer_and_a_text(path):
+    number = path.stem[:2]
+    own = [name for name in EXERCISES if name.startswith(number)]
+    assert len(own) >= 3
+    asked = [re.search(r'^answer_(\d) = \.\.\.\nCheck\("(\d\d\.\d)", answer_\1\)$', Source(cell)).group(2)
+             for cell in Cells(path, tag="answer")]
+    assert asked == own
+    text = "\n".join("".join(cell["source"]) for cell in Cells(path, "markdown"))
+    assert all(f"**{int(number)}.{name[3:]}**" in text for name in own)
+    assert "**Aim.**" in text and "## Questions" in text
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_run_without_errors_and_show_pictures(path, tmp_path):
+    nbformat = pytest.importorskip("nbformat")
+    from nbclient import NotebookClient
+
+    notebook = nbformat.read(path, as_version=4)
+    clock = nbformat.v4.new_code_cell("import time\nprint('CPU', time.process_time())")
+    notebook.cells.append(clock)
+    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
+    kinds = [kind for output in outputs for kind in output.get("data", {})]
+    verdicts = [output["data"]["text/plain"] for cell in notebook.cells if "answer" in cell.metadata.get("tags", ())
+                for output in cell.outputs]
+    assert kinds.count("image/png") >= 1
+    assert any("<iframe" in output.get("data", {}).get("text/html", "") for output in outputs)
+    assert len(verdicts) == len(Cells(path, tag="answer"))
+    assert all("not answered yet" in verdict for verdict in verdicts)
+    assert not any(output.get("name") == "stderr" and "Warning" in output.text for output in outputs)
+    assert float(clock.outputs[-1].text.split()[1]) < SECONDS
+
+
+def test_a_notebook_with_an_error_does_not_pass():
+    nbformat = pytest.importorskip("nbformat")
+    from nbclient import NotebookClient
+    from nbclient.exceptions import CellExecutionError
+
+    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("from ngdgc import NoSuchLaw")])
+    with pytest.raises(CellExecutionError, match="NoSuchLaw"):
+        NotebookClient(notebook, timeout=100).execute()
+
+
+def test_sliders_answer_in_less_than_a_second():
+    (path,) = (path for path in NOTEBOOKS if Cells(path, tag="live"))
+    imports, (live,) = Cells(path)[0], Cells(path, tag="live")
+    assert any("interact(" in Source(cell) for cell in Cells(path))
+    names = {}
+    exec(Source(imports), names)
+    exec(Source(live), names)
+    for position in ((0.02, 1e4, 0.8), (0.005, 1e1, 0.0), (0.1, 1e8, 1.5), (0.05, 1e3, 0.3)):
+        seconds = []
+        for _ in range(2):      # the first call also loads what is loaded once
+            start = time.process_time()
+            names["ZonesFigure"](names["Press"](*position)).canvas.draw()
+            seconds.append(time.process_time() - start)
+        assert min(seconds) < LIVE, position
+    start = time.process_time()
+    names["Press"](0.02, 1e4, 0.8, n=64)
+    assert time.process_time() - start > min(seconds), "the clock does not see a problem that is 30 times larger"

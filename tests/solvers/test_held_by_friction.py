@@ -1,0 +1,80 @@
+"""Newton's method for a body that nothing but friction keeps from sliding: where all points slip nothing is stiff."""
+
+import numpy as np
+import pytest
+from ngsolve import CF, x
+from ngsolve.meshes import MakeStructured2DMesh
+
+from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, NotConvergedError, SemismoothNewtonSolver)
+from ngdgc.cases import two_materials
+from ngdgc.solvers.newton import run as newtonrun
+from ngdgc.solvers.newton.run import NewtonRun
+
+
+def Block():
+    """Eight contact points under a block that spreads under its load: nearly all of them slip, to both sides."""
+    return Discretization(two_materials.Problem(), InteriorPenalty(), two_materials.Mesh(4), order=1)
+
+
+def Plain(run, F):
+    """|F|^2, the merit of bodies that are held."""
+    return float(np.sum(run.weights * F ** 2))
+
+
+def Strip():
+    """A strip under a tilted load that pulls it with 0.995 of what friction can hold: hardly a point sticks."""
+    load = {"top": CF((0.4975, -1 - 0.6 * (x - 0.5)))}
+    mesh = MakeStructured2DMesh(quads=False, nx=12, ny=1, mapping=lambda s, t: (6 * s - 2.5, 0.5 * t))
+    foundation = Foundation("bottom", NormalCompliance(1), friction=CoulombFriction(0.5))
+    return Discretization(ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction=load), InteriorPenalty(), mesh)
+
+
+def test_it_takes_few_steps_and_fails_without_what_holds_it(monkeypatch):
+    for disc, steps, solves in ((Block(), 5, 30), (Strip(), 15, 150)):
+        assert len(SemismoothNewtonSolver().Solve(disc).history) <= steps and disc.solves <= solves
+    monkeypatch.setattr(newtonrun, "HOLD", 0)
+    monkeypatch.setattr(NewtonRun, "_Merit", Plain)
+    with pytest.raises(NotConvergedError, match="translation along x"):
+        SemismoothNewtonSolver().Solve(Strip())
+
+
+@pytest.mark.parametrize("sticking", [newtonrun.STICKING, 100])
+def test_merit_sees_that_a_body_in_flight_is_out_of_balance(sticking, monkeypatch):
+    """All points slip the same way by 1, for a displacement of 0.3, or sink too little and too much by a thousandth of that.
+
+    F itself sees it as long as little holds the body in the matrix.
+    """
+    monkeypatch.setattr(newtonrun, "STICKING", sticking)
+    run = NewtonRun(SemismoothNewtonSolver(), Block(), None)
+    state = run._Step(run._Evaluate(run.start))
+    place = run.contact.coordinates[:, :1] / two_materials.LENGTH - 0.5
+    tilted = run._Evaluate(run.graph.At(state.point.q + 1e-3 * run.scale[:, None] * place * [0, 1]))
+    flying = run._Evaluate(run.graph.At(state.point.q + run.scale[:, None] * [1, 0]))
+    assert np.all(flying.point.zones == 2)
+    assert flying.merit > 100 * tilted.merit
+    assert (Plain(run, flying.F) < Plain(run, tilted.F)) == (sticking == 100)
+
+
+def test_slopes_are_raised_for_such_a_body_alone_and_fade():
+    run = NewtonRun(SemismoothNewtonSolver(), Block(), None)
+    state, least, merits = run._Evaluate(run.start), [], []
+    for _ in range(3):
+        merits.append(state.merit)
+        state = run._Step(state)
+        least.append(run.least)
+    assert least == pytest.approx(newtonrun.HOLD * np.sqrt(np.array(merits) / merits[0])) and least[-1] < 0.5 * least[0]
+    sliding = run.graph.At(state.point.q + run.scale[:, None] * [1, 0])
+    assert np.linalg.eigvalsh(sliding.derivative + np.swapaxes(sliding.derivative, 1, 2)).min() < 1e-12
+    run.least = 0.01
+    raised, plain = run._Equation(sliding), newtonrun.PointwiseEquation(sliding, run.scale, run.stiffness, run.blocks)
+    assert np.abs(raised.P - plain.P).max() > 1e-3
+    held = NewtonRun(SemismoothNewtonSolver(), Discretization(Held(), InteriorPenalty(), two_materials.Mesh(4), order=1), None)
+    held._Step(held._Evaluate(held.start))
+    assert held.least is None
+
+
+def Held():
+    """The block with its sides clamped."""
+    problem = two_materials.Problem()
+    return type(problem)(problem.material, problem.foundation, dirichlet={"side": (0, 0)}, traction=problem.traction)

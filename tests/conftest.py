@@ -3,13 +3,14 @@
 import os
 
 # Processes side by side must not start threads of their own: theirs wait for each other busily.  Libraries read this once.
-if "PYTEST_XDIST_WORKER" in os.environ:
-    os.environ.update(NGS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")
+os.environ.update(NGS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS="1", MKL_NUM_THREADS="1")
 
 import numpy as np
 import pytest
 from netgen.meshing import Element1D
 from ngsolve import CF, GridFunction, x, y
+from running import (pytest_collection_modifyitems, pytest_runtest_logstart, pytest_runtest_makereport,  # noqa: F401  hooks
+                     pytest_terminal_summary, pytest_xdist_auto_num_workers)
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, TrescaFriction)

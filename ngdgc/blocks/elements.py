@@ -12,11 +12,11 @@ from .reference import Reference
 BATCH = 1 << 19     # matrix entries worked on at once: large enough for numpy, small enough for the cache and the memory
 
 
-class CellGeometry:
-    """Arrays over n elements and quadrature points.
+class GroupGeometry:
+    """A group: n elements of one type, and arrays over them and their quadrature points.
 
-    elements (n,) numbers;  facets (n, nf) numbers in NGSolve's local order;  rollers (n, nf) True where a facet couples normal
-    parts only;  vertices (n, nv) numbers;  order k;  liftorder l
+    elements (n,) numbers;  facets (n, s) numbers in NGSolve's local order;  rollers (n, s) True where a facet couples normal
+    parts only;  vertices (n, corners) numbers;  order k;  liftorder l
     uniform : True if neither geometry nor C varies in any element
     """
 
@@ -52,7 +52,7 @@ class CellGeometry:
 
     @Cached
     def rows(self):
-        """[(rows, ReferenceCell)] of the elements whose vertex numbers are ordered alike."""
+        """[(rows, ReferenceElement)] of the elements whose vertex numbers are ordered alike."""
         return [(rows, self._shapes[self._kind[rows[0]]]) for rows in Equal(self._kind)]
 
     @property
@@ -66,24 +66,24 @@ class CellGeometry:
 
     @property
     def na(self):
-        """Scalar shape functions of V_h."""
+        """Scalar shape functions of V_h, how many letters a there are."""
         return self._reference.dv.shape[2]
 
     @property
     def nl(self):
-        """Scalar shape functions of Q_h."""
+        """Scalar shape functions of Q_h, letters p."""
         return self._reference.p.shape[1]
 
-    def nm(self, s):
-        """Scalar shape functions of F_h on side s."""
-        return self._reference.facets[s].m.shape[1]
+    def nb(self, s):
+        """Scalar shape functions of F_h on side s, letters b."""
+        return self._reference.facets[s].mu.shape[1]
 
     def _AffineMaps(self, mesh, vertices):
-        """dF (n, 1, d, d) if all elements are affine images of the reference element, else None."""
+        """dF_jm = d x_j/d xi_m, (n, 1, j, m), if all elements are affine images of the reference element, else None."""
         if Curved(mesh):
             return None
         reference = np.array(REFERENCE_VERTICES[self.et], dtype=float)[:, :self.dim]
-        corners = np.asarray(mesh.ngmesh.Coordinates())[vertices][..., :self.dim]
+        corners = np.asarray(mesh.ngmesh.Coordinates())[vertices][..., :self.dim]       # n, corners, j
         centred = corners - corners.mean(axis=1, keepdims=True)
         reference = reference - reference.mean(axis=0)
         maps = np.swapaxes(centred, 1, 2) @ np.linalg.pinv(reference).T
@@ -108,14 +108,14 @@ class CellGeometry:
         return found
 
     def _Geometries(self, affine, points):
-        """[(G, volume)] of the element and its sides: G_mj = d xi_m/d x_j (n, q, d, d) and |det dF| (n, q)."""
+        """[(G, volume)] of the element and its sides: G_mj = d xi_m/d x_j (n, q, m, j) and |det dF| (n, q)."""
         if affine is not None:
             return [_Inverse(affine)] * (1 + len(self.sides))
         return [_Inverse(_AtPoints(at, np.asarray(specialcf.JacobianMatrix(self.dim, self.dim)(at.ravel()))
                                    .reshape(-1, self.dim, self.dim))) for at in points]
 
     def _Stiffnesses(self, mesh, material, points):
-        """C_ijkl at the points of the element and of its sides, (n or 1, q or 1, d, d, d, d) each [stress]."""
+        """C_ijkl at the points of the element and of its sides, (n or 1, q or 1, i, j, k, l) each [stress]."""
         if material.bonus == 0:
             anywhere = VolumePoints(mesh, 0)[:1]
             return [StiffnessAt(material, anywhere, self.dim)[None]] * (1 + len(self.sides))
@@ -131,21 +131,21 @@ class CellGeometry:
         return C if len(C) == 1 else C[self._chosen]
 
     def _Boundaries(self):
-        """[(n (n, q, d), measure (n, q))] of the sides."""
+        """[(normal (n, q, j), measure (n, q))] of the sides."""
         found = []
         for facet, (G, volume) in zip(self._reference.facets, self._geometry[1:]):
-            normal = facet.normal @ G
+            normal = facet.normal @ G       # Nanson: n is along G' N, and |G' N| |det dF| the measure; n q j
             length = np.sqrt(np.square(normal).sum(axis=2))
             found.append((normal / length[..., None], length * volume))
         return found
 
     def _Boundary(self, s):
-        """(n (n, q, d), measure (n, q)) of side s."""
+        """(normal (n, q, j), measure (n, q)) of side s."""
         n, measure = self._boundary[s]
         return n[self._chosen], measure[self._chosen]
 
     def _Transmitted(self, s):
-        """P_ij (n, q, d, d) on side s: n n' on rollers, which transmit the normal part only, else the identity, or None."""
+        """P_ij (n, q, i, j) on side s: n n' on rollers, which transmit the normal part only, else the identity, or None."""
         if not self.rollers[:, s].any():
             return None
         n, _ = self._Boundary(s)
@@ -189,7 +189,7 @@ def Batches(members, entries):
 
 
 def _Inverse(maps):
-    """(dF^-1, |det dF|) for Jacobians dF (n, q, d, d), by cofactors: LAPACK takes ten times as long for matrices this small."""
+    """(dF^-1, |det dF|) for Jacobians dF (n, q, j, m), by cofactors: LAPACK takes ten times as long for matrices this small."""
     minors = np.stack([_Cross(maps, row) for row in range(maps.shape[-1])], axis=-1)
     determinant = np.einsum("nqj,nqj->nq", maps[..., 0, :], minors[..., 0])
     return minors / determinant[..., None, None], np.abs(determinant)

@@ -1,8 +1,10 @@
 """Integrals of shape functions over elements and their sides, for all elements of one type at once.
 
-Displacements are ordered component by component, v = e_i phi_a -> (i, a); so are facet functions (i, b) and, with the basis E_c
-of the symmetric matrices, liftings (c, p).  An array over n elements and their local degrees of freedom is a batch of element
-matrices, computed by one matrix product for all elements whose vertex numbers are ordered alike.
+Letters as in docs/conventions.md: n elements, q points, i k components, m t directions of the reference element, a b p
+functions of V_h, F_h and Q_h, c basis matrices.  Displacements are ordered component by component, v = e_i phi_a -> (i a); so
+are facet functions (i b) and, with the basis E_c of the symmetric matrices, liftings (c p).  An array over n elements and their
+local degrees of freedom is a batch of element matrices, computed by one matrix product for all elements whose vertex numbers
+are ordered alike.
 
 Geometry and C enter at quadrature points; where neither varies in an element, the shape functions are integrated first and the
 points disappear.
@@ -11,7 +13,7 @@ points disappear.
 import numpy as np
 
 from ..tools.parallel import Cached
-from .elements import CellGeometry
+from .elements import GroupGeometry
 
 
 def SymmetricBasis(dim):
@@ -23,7 +25,7 @@ def SymmetricBasis(dim):
     return basis
 
 
-class Cells(CellGeometry):
+class ElementGroup(GroupGeometry):
     """Batches of element matrices for all elements of one type; sides are numbered by s = 0 ... nf-1, n is outward."""
 
     @property
@@ -31,10 +33,10 @@ class Cells(CellGeometry):
         return SymmetricBasis(self.dim)
 
     def _Contract(self, pairs, number):
-        """sum_jl pairs[n, q, x, j, l] C_ijkl -> (n, q, x, i, k), in the element (0) or on side number - 1."""
+        """sum_jl pairs[n, q, x, j, l] C_ijkl -> (n, q, x, i, k), in the element (0) or on side number - 1; x any number."""
         C, d = self._C(number), self.dim
-        C = C.transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], d * d, d * d)
-        pairs = pairs.reshape(*pairs.shape[:3], d * d)
+        C = C.transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], d * d, d * d)   # nqijkl -> n q (j l) (i k)
+        pairs = pairs.reshape(*pairs.shape[:3], d * d)                          # n q x (j l)
         if C.shape[:2] == (1, 1):       # one product for all
             return (pairs.reshape(-1, d * d) @ C[0, 0]).reshape(*pairs.shape[:3], d, d)
         contracted = pairs @ C
@@ -43,24 +45,28 @@ class Cells(CellGeometry):
     def _StressGradient(self):
         """C_ijkl G_tl, that maps reference gradients of u_k to stresses in the element, (n, q, i, j, k, t)."""
         C, (G, _), d = self._C(), self._Geometry(), self.dim
-        stress = C.reshape(*C.shape[:2], d ** 3, d) @ np.swapaxes(G, 2, 3)
+        stress = C.reshape(*C.shape[:2], d ** 3, d) @ np.swapaxes(G, 2, 3)      # n q (i j k) l  @  n q l t
         return stress.reshape(*stress.shape[:2], d, d, d, d)
 
     def _EnergyDensity(self, number=0):
         """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t)."""
         (G, _), d = self._Geometry(number), self.dim
-        pairs = G[:, :, :, None, :, None] * G[:, :, None, :, None, :]
-        density = self._Contract(pairs.reshape(*G.shape[:2], d * d, d, d), number)
+        pairs = G[:, :, :, None, :, None] * G[:, :, None, :, None, :]           # G_mj G_tl, n q m t j l
+        density = self._Contract(pairs.reshape(*G.shape[:2], d * d, d, d), number)      # n q (m t) i k
         return density.reshape(*density.shape[:2], d, d, d, d).transpose(0, 1, 4, 5, 2, 3)
 
     def _Sum(self, coefficient, integrand):
-        """sum_q w_q coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y)."""
+        """sum_qx coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y); integrand(ReferenceElement) contains weights.
+
+        A coefficient with one point varies in no element: the integrand is then summed over its points first.
+        """
         lead, result = coefficient.shape[1:-2], None
         for rows, shape in self.rows:
             values = integrand(shape)
             part = coefficient[rows] if len(self.rows) > 1 else coefficient
             if coefficient.shape[-2] == 1:
                 values = values.sum(axis=0, keepdims=True)
+            # (n ...) (q x)  @  (q x) y
             part = part.reshape(len(rows) * int(np.prod(lead)), -1) @ values.reshape(-1, values.shape[-1])
             part = part.reshape(len(rows), *lead, -1)
             if len(self.rows) == 1:
@@ -73,6 +79,7 @@ class Cells(CellGeometry):
     def _Gradients(self, coefficient, products):
         """sum_q coefficient[n, q, i, k, m, t] products[q, (m t), (a b)] -> (n, (i, a), (k, b)), for products as below."""
         (n, q), d = coefficient.shape[:2], self.dim
+        # n i k q (m t) -> n i k (a b) -> n (i a) (k b)
         values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, d * d), products)
         return values.reshape(n, d, d, self.na, self.na).transpose(0, 1, 3, 2, 4).reshape(n, d * self.na, d * self.na)
 
@@ -84,7 +91,7 @@ class Cells(CellGeometry):
             weights, a, b = left(shape)[0], left(shape)[1], right(shape)[1]
             return np.einsum("q,qa,qb->qab", weights, a, b).reshape(len(weights), 1, -1)
 
-        values = self._Sum(coefficient.transpose(0, 2, 3, 1)[..., None], Products)
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1)[..., None], Products)     # n i k (a b)
         a, b = left(sample)[1].shape[1], right(sample)[1].shape[1]
         return values.reshape(n, rows, columns, a, b).transpose(0, 1, 3, 2, 4).reshape(n, rows * a, columns * b)
 
@@ -97,7 +104,7 @@ class Cells(CellGeometry):
             values = np.einsum("q,qb,qta->qtba", here.weights, left(shape), here.dv)
             return values.reshape(len(here.weights), d, -1)
 
-        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4), Products)
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4), Products)     # n i k (b a)
         b = left(self._reference).shape[1]
         return values.reshape(n, rows, d, b, self.na).transpose(0, 1, 3, 2, 4).reshape(n, rows * b, d * self.na)
 
@@ -126,28 +133,28 @@ class Cells(CellGeometry):
         _, measure = self._Boundary(s)
         transmitted = self._Transmitted(s)
         transmitted = np.eye(self.dim)[None, None] if transmitted is None else transmitted
-        return self._Pairs(measure[..., None, None] * transmitted, self._Side(s, "m"), self._Side(s, "v"))
+        return self._Pairs(measure[..., None, None] * transmitted, self._Side(s, "mu"), self._Side(s, "v"))
 
     def TraceValue(self, s):
         """M_F^-1 times `Trace`: the transmitted part of u on the side as coefficients in F_h, (n, (i b), (k a))."""
         _, measure = self._Boundary(s)
         if measure.shape[1] > 1:
-            inverse, trace = self.InverseTraceMass(s), self.Trace(s)
-            return (inverse[:, None] @ trace.reshape(len(trace), self.dim, self.nm(s), -1)).reshape(trace.shape)
-        values = np.empty((len(measure), self.dim, self.nm(s), self.dim, self.na))
+            inverse, trace = self.InverseFacetMass(s), self.Trace(s)
+            return (inverse[:, None] @ trace.reshape(len(trace), self.dim, self.nb(s), -1)).reshape(trace.shape)
+        values = np.empty((len(measure), self.dim, self.nb(s), self.dim, self.na))
         for rows, shape in self.rows:
             facet = shape.facets[s]
-            mass, trace = (np.einsum("q,qb,qa->ba", facet.weights, facet.m, other) for other in (facet.m, facet.v))
+            mass, trace = (np.einsum("q,qb,qa->ba", facet.weights, facet.mu, other) for other in (facet.mu, facet.v))
             values[rows] = np.eye(self.dim)[:, None, :, None] * np.linalg.solve(mass, trace)[:, None, :]
         transmitted = self._Transmitted(s)
         if transmitted is not None:
             values = np.einsum("nij,njbka->nibka", transmitted[:, 0], values)
-        return values.reshape(len(measure), self.dim * self.nm(s), -1)
+        return values.reshape(len(measure), self.dim * self.nb(s), -1)
 
     def Traction(self, s):
         """int_e {C eps(u) n}.mu with the transmitted part of the traction, (n, (i b), (k a))."""
         stress = self._StressOnNormal(s) * self._Boundary(s)[1][..., None, None, None]
-        return self._Mixed(self._Transmit(s, stress), lambda shape: shape.facets[s].m, s)
+        return self._Mixed(self._Transmit(s, stress), lambda shape: shape.facets[s].mu, s)
 
     def _StressOnNormal(self, s):
         """n_j C_ijkl G_tl, (n, q, i, k, t)."""
@@ -162,11 +169,11 @@ class Cells(CellGeometry):
         """int_e q n.mu with the transmitted part of the traction, (n, (i b), (c p))."""
         n, measure = self._Boundary(s)
         coefficient = self._Transmit(s, np.einsum("nqj,cij->nqic", n * measure[..., None], self.basis))
-        return self._Pairs(coefficient, self._Side(s, "m"), self._Side(s, "p"))
+        return self._Pairs(coefficient, self._Side(s, "mu"), self._Side(s, "p"))
 
-    def InverseTraceMass(self, s):
+    def InverseFacetMass(self, s):
         """The inverse of int_e mu nu, scalar, (n, b, b)."""
-        return self._InverseMass(self._Boundary(s)[1], self._Side(s, "m"))
+        return self._InverseMass(self._Boundary(s)[1], self._Side(s, "mu"))
 
     def _InverseMass(self, measure, functions):
         """The inverse of sum_q w_q measure[n, q] f_a f_b, (n, a, b); functions(shape) gives (w, f)."""
@@ -183,7 +190,7 @@ class Cells(CellGeometry):
     def ElasticJump(self, s):
         """int_e {C sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
         n, measure = self._Boundary(s)
-        pairs = n[..., :, None] * (n * measure[..., None])[..., None, :]
+        pairs = n[..., :, None] * (n * measure[..., None])[..., None, :]        # n_j n_l, n q j l
         return self._JumpMass(s, self._Contract(pairs[:, :, None], 1 + s)[:, :, 0])
 
     def PlainJump(self, s):
@@ -196,7 +203,7 @@ class Cells(CellGeometry):
         transmitted = self._Transmitted(s)
         if transmitted is not None:
             tensor = transmitted @ tensor @ transmitted
-        return self._Pairs(tensor, self._Side(s, "m"), self._Side(s, "m"))
+        return self._Pairs(tensor, self._Side(s, "mu"), self._Side(s, "mu"))
 
     def SurfaceRatios(self, weights):
         """sum_s weights[n, s] |e_s| / |K|, (n,), where geometry is uniform."""
@@ -221,8 +228,8 @@ class Cells(CellGeometry):
     def _PlainPencil(self, s, weight):
         n, measure = self._Boundary(s)
         measure = weight * measure
-        traction = self._StressOnNormal(s)
-        dual = (2 * np.eye(self.dim) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]
+        traction = self._StressOnNormal(s)      # n q i k t
+        dual = (2 * np.eye(self.dim) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]    # n q i j
         weighted = np.einsum("nqij,nqjkt->nqikt", dual, traction)
         return self._Gradients(np.einsum("nqjim,nqjkt->nqikmt", traction, weighted), _OnSide(s))
 
@@ -254,7 +261,7 @@ def _LiftFunctions(shape):
 
 
 def _GradientProducts(shapes):
-    """w_q d_m phi_a d_t phi_b, (q, (m t), (a b)), of a ReferenceCell or of its FacetShapes."""
+    """w_q d_m phi_a d_t phi_b, (q, (m t), (a b)), of a ReferenceElement or of its FacetShapes."""
     products = np.einsum("q,qma,qtb->qmtab", shapes.weights, shapes.dv, shapes.dv)
     return products.reshape(len(shapes.weights), shapes.dv.shape[1] ** 2, -1)
 

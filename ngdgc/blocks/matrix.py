@@ -1,4 +1,10 @@
-"""NGSolve's sparse matrix of a broken space, filled from batches of dense blocks."""
+"""NGSolve's sparse matrix of a broken space, filled from batches of dense blocks.
+
+NGSolve numbers the dofs of a vector L2 space component by component, and in one component element by element.  The row of dof
+(k, element, a) therefore has, for each component, the blocks of the element's neighbours side by side, by element number:
+
+    dof (k, element, a) = k starts[-1] + starts[element] + a;   a row is  (component, neighbour, function)
+"""
 
 import numpy as np
 import scipy.sparse as sp
@@ -8,10 +14,10 @@ from ..exceptions import ProblemError
 
 
 def Numbers(starts, patches, dim):
-    """Dofs (n, m) on patches (n, p) of elements or facets of equal sizes, ordered component, element, function."""
-    sizes = np.diff(starts)[patches[0]]
-    slot = np.tile(np.repeat(np.arange(len(sizes)), sizes), dim)
-    within = np.tile(np.concatenate([np.arange(size) for size in sizes]), dim)
+    """Dofs (n, v), v = (k e a), on patches (n, e) of elements or facets, of sizes that are the same in all rows."""
+    sizes = np.diff(starts)[patches[0]]                                             # e
+    slot = np.tile(np.repeat(np.arange(len(sizes)), sizes), dim)                    # v -> e
+    within = np.tile(np.concatenate([np.arange(size) for size in sizes]), dim)      # v -> a
     return np.repeat(np.arange(dim), sizes.sum()) * starts[-1] + starts[patches[:, slot]] + within
 
 
@@ -47,12 +53,16 @@ class BlockMatrix:
         return self._offsets[np.searchsorted(self._keys, (rows * (len(self.starts) - 1) + columns).ravel())].reshape(rows.shape)
 
     def Put(self, rows, columns, blocks, *, add=False):
-        """Set blocks (n, m_a, m_b), or add to them, of distinct pairs of elements (rows, columns); faster than `Add`."""
-        height, width = (int(self.starts[one[0] + 1] - self.starts[one[0]]) for one in (rows, columns))
-        first = self._rows[self.starts[rows][:, None] + np.arange(self.dim) * self.starts[-1]]
+        """Set blocks (n, (i a), (k b)), or add to them, of distinct pairs of elements (rows, columns); faster than `Add`.
+
+        For one i a block is runs (a k) of `width` values b, each of which begins `length` after the one before: the matrix row
+        of (i, a) consists of dim stretches k of this length, and that of (i, a + 1) follows.
+        """
+        height, width = (int(self.starts[one[0] + 1] - self.starts[one[0]]) for one in (rows, columns))     # of a, of b
+        first = self._rows[self.starts[rows][:, None] + np.arange(self.dim) * self.starts[-1]]      # n i, begin of row (i, 0)
         first += self._Offsets(rows, columns)[:, None]
-        blocks = blocks.reshape(len(rows), self.dim, height * self.dim, width)
-        # Entries of one component are neighbours in memory, and the rows of an element equally long: windows on the values.
+        blocks = blocks.reshape(len(rows), self.dim, height * self.dim, width)                      # n i (a k) b
+        # All positions of such windows on the values, of which `first` chooses.
         lengths = self._width[rows]
         for length in np.unique(lengths):
             members = slice(None) if np.all(lengths == length) else lengths == length
@@ -65,16 +75,16 @@ class BlockMatrix:
                 windows[first[members]] = blocks[members]
 
     def Add(self, elements, blocks):
-        """Add blocks (n, m, m) of the displacements on patches of elements (n, patch), ordered component, element, function."""
-        sizes = np.diff(self.starts)[elements[0]]
-        slot = np.tile(np.repeat(np.arange(len(sizes)), sizes), self.dim)
-        within = np.tile(np.concatenate([np.arange(size) for size in sizes]), self.dim)
-        component = np.repeat(np.arange(self.dim), sizes.sum())
-        offsets = self._Offsets(*np.broadcast_arrays(elements[:, :, None], elements[:, None, :]))
-        dofs = Numbers(self.starts, elements, self.dim)
+        """Add blocks (n, v, v), v = (k e a), of the displacements on patches of elements (n, e)."""
+        sizes = np.diff(self.starts)[elements[0]]                                           # e
+        slot = np.tile(np.repeat(np.arange(len(sizes)), sizes), self.dim)                   # v -> e
+        within = np.tile(np.concatenate([np.arange(size) for size in sizes]), self.dim)     # v -> a
+        component = np.repeat(np.arange(self.dim), sizes.sum())                             # v -> k
+        offsets = self._Offsets(*np.broadcast_arrays(elements[:, :, None], elements[:, None, :]))   # n e e
+        dofs = Numbers(self.starts, elements, self.dim)                                     # n v
         # Position of the entry: start of the row, columns of lower components, columns of lower elements, column in the block.
         row = self._rows[dofs]
-        column = offsets[:, slot[:, None], slot] + within
+        column = offsets[:, slot[:, None], slot] + within       # n v v
         column += component * self._width[elements[:, slot]][:, :, None]
         column += row[:, :, None]
         np.add.at(self._values, column.ravel(), blocks.ravel())

@@ -1,7 +1,7 @@
 """The operators of the discontinuous Galerkin methods, as blocks on elements and facets.
 
 For a symmetric q, [v]:q = w.(q n) with the vector jump w = v+ - v-: the tensor jump is a vector jump against a traction.  So
-everything is built from integrals over elements and their sides (`blocks.integrals` module), in which neighbours do not couple:
+everything is built from integrals over elements and their sides (`integrals` module), in which neighbours do not couple:
 
     V_h  displacement, order k                    Q_h  symmetric matrices, piecewise of order l
     F_h  vectors on the facets, order k           E0   interior facets, Gamma_D and rollers
@@ -13,6 +13,8 @@ everything is built from integrals over elements and their sides (`blocks.integr
 
 Averages count the two sides of an interior facet by 1/2 and a boundary facet fully; the side with the smaller element number
 fixes the orientation.  On a roller w = v_n n and the traction is its normal part.
+
+Shapes of blocks (docs/conventions.md): n patches or stars, v = (k e a) dofs of V_h on them, r = (i b) dofs of F_h on a facet.
 """
 
 from functools import cached_property
@@ -32,66 +34,66 @@ class FacetOperators(Patches):
         return specialcf.normal(self.dim)
 
     @cached_property
-    def traces(self):
+    def facetspace(self):
         """F_h, NGSolve's space."""
         return FacetFESpace(self.mesh, order=self.order) ** self.dim
 
     @cached_property
-    def liftings(self):
+    def liftspace(self):
         """Q_h, NGSolve's space."""
         return MatrixValued(L2(self.mesh, order=self.liftorder), symmetric=True)
 
     @cached_property
     def starts(self):
         """Scalar dofs of V_h: those of element e are starts[e] ... starts[e+1]-1."""
-        return self._Starts(lambda cells: cells.na)
+        return self._Starts(lambda group: group.na)
 
     @cached_property
     def liftstarts(self):
         """Scalar dofs of Q_h."""
-        return self._Starts(lambda cells: cells.nl)
+        return self._Starts(lambda group: group.nl)
 
     def _Starts(self, count):
         sizes = np.zeros(self.mesh.ne, dtype=np.int64)
-        for cells in self.cells:
-            sizes[cells.elements] = count(cells)
+        for group in self.groups:
+            sizes[group.elements] = count(group)
         return np.concatenate([[0], np.cumsum(sizes)])
 
     @cached_property
-    def tracestarts(self):
+    def facetstarts(self):
         """Scalar dofs of F_h."""
-        return np.concatenate([[0], np.cumsum(self.tracesizes)])
+        return np.concatenate([[0], np.cumsum(self.facetsizes)])
 
     def Dofs(self, elements):
-        """Dofs (n, m) of V_h on patches of elements (n, patch), ordered component, element, function."""
+        """Dofs (n, v) of V_h on patches of elements (n, patch), ordered component, element, function."""
         return Numbers(self.starts, elements, self.dim)
 
-    def TraceDofs(self, facets):
+    def FacetDofs(self, facets):
         """Dofs (n, r) of F_h on facets (n,)."""
-        return Numbers(self.tracestarts, facets[:, None], self.dim)
+        return Numbers(self.facetstarts, facets[:, None], self.dim)
 
     @staticmethod
     def elasticjumps(side):
         """int_e {C sym(mu (x) n)} n.nu from one side, (n, r, r)."""
-        return side.Blocks(lambda cells, s: cells.ElasticJump(s))
+        return side.Blocks(lambda group, s: group.ElasticJump(s))
 
     @staticmethod
     def plainjumps(side):
         """int_e {sym(mu (x) n)} n.nu from one side, (n, r, r)."""
-        return side.Blocks(lambda cells, s: cells.PlainJump(s))
+        return side.Blocks(lambda group, s: group.PlainJump(s))
 
     @staticmethod
     def inversemass(side):
         """M_F^-1 of single facets, scalar, (n, b, b)."""
-        return side.Blocks(lambda cells, s: cells.InverseTraceMass(s))
+        return side.Blocks(lambda group, s: group.InverseFacetMass(s))
 
     @staticmethod
     def tracevalues(side):
-        """M_F^-1 times the traces: u on one side of the facets as coefficients in F_h, (n, r, m)."""
-        return side.Blocks(lambda cells, s: cells.TraceValue(s))
+        """M_F^-1 times the traces: u on one side of the facets as coefficients in F_h, (n, r, v)."""
+        return side.Blocks(lambda group, s: group.TraceValue(s))
 
     def _Joined(self, parts):
-        """Blocks (n, r, m) of V_h x F_h on a patch from those of its sides, components first."""
+        """Blocks (n, r, v) of V_h x F_h on a patch from those of its sides, components first."""
         n, r = parts[0].shape[:2]
         return np.concatenate([part.reshape(n, r, self.dim, -1) for part in parts], axis=3).reshape(n, r, -1)
 
@@ -101,41 +103,41 @@ class FacetOperators(Patches):
         return (inverse[:, None] @ blocks.reshape(n, self.dim, r // self.dim, -1)).reshape(blocks.shape)
 
     def SideJump(self, side):
-        """The part of M_F^-1 J on one side, (n, r, m)."""
+        """The part of M_F^-1 J on one side, (n, r, v)."""
         return self.tracevalues(side) * side.sign[:, None, None]
 
     def SideTraction(self, side, facets, lifted):
-        """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, m)."""
-        def Traction(cells, s):
-            return cells.LiftedTraction(s) @ (cells.inverseliftmass @ cells.stress) if lifted else cells.Traction(s)
+        """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, v)."""
+        def Traction(group, s):
+            return group.LiftedTraction(s) @ (group.inverseliftmass @ group.stress) if lifted else group.Traction(s)
 
         return side.Blocks(Traction) * (self.share[facets] * side.sign)[:, None, None]
 
     def JumpBlocks(self, patch):
-        """J, (n, r, m)."""
-        return self._Joined([side.Blocks(lambda cells, s: cells.Trace(s)) * side.sign[:, None, None] for side in patch.sides])
+        """J, (n, r, v)."""
+        return self._Joined([side.Blocks(lambda group, s: group.Trace(s)) * side.sign[:, None, None] for side in patch.sides])
 
     def Jumps(self, patch):
-        """M_F^-1 J: the jump as coefficients in F_h, (n, r, m)."""
+        """M_F^-1 J: the jump as coefficients in F_h, (n, r, v)."""
         return self._Joined([self.SideJump(side) for side in patch.sides])
 
     def Tractions(self, patch, lifted):
-        """S, or N M_Q^-1 R if `lifted`, (n, r, m)."""
+        """S, or N M_Q^-1 R if `lifted`, (n, r, v)."""
         return self._Joined([self.SideTraction(side, patch.facets, lifted) for side in patch.sides])
 
     def LocalEnergy(self, patch):
         """(C r_e(mu), r_e(nu)), (n, r, r)."""
-        def Energy(cells, s):
-            lifting = cells.LiftedTraction(s) @ cells.inverseliftmass
-            return lifting @ cells.weightedliftmass @ np.swapaxes(lifting, 1, 2)
+        def Energy(group, s):
+            lifting = group.LiftedTraction(s) @ group.inverseliftmass
+            return lifting @ group.weightedliftmass @ np.swapaxes(lifting, 1, 2)
 
         return self._OfSides(patch, Energy)
 
     def LocalSquare(self, patch):
         """(r_e(mu), r_e(nu)), (n, r, r)."""
-        def Square(cells, s):
-            traction = cells.LiftedTraction(s)
-            return traction @ cells.inverseliftmass @ np.swapaxes(traction, 1, 2)
+        def Square(group, s):
+            traction = group.LiftedTraction(s)
+            return traction @ group.inverseliftmass @ np.swapaxes(traction, 1, 2)
 
         return self._OfSides(patch, Square)
 
@@ -145,11 +147,11 @@ class FacetOperators(Patches):
 
     def Liftings(self, star):
         """-M_Q^-1 N' : the liftings of traces on the star's facets as coefficients in Q_h, [(n, (c p), r)] over its arms."""
-        return [-star.cells.inverseliftmass @ np.swapaxes(side.Blocks(lambda cells, s: cells.LiftedTraction(s)), 1, 2)
+        return [-star.group.inverseliftmass @ np.swapaxes(side.Blocks(lambda group, s: group.LiftedTraction(s)), 1, 2)
                 * (self.share[facets] * side.sign)[:, None, None] for side, facets, _ in star.arms]
 
     def GlobalLifting(self, star):
-        """r_0([u]) on the star's elements from the displacements on the star, (n, (c p), m)."""
+        """r_0([u]) on the star's elements from the displacements on the star, (n, (c p), v)."""
         here, beyond = 0, []
         for lift, (own, _, other) in zip(self.Liftings(star), star.arms):
             here = here + lift @ self.SideJump(own)
@@ -161,17 +163,17 @@ class FacetOperators(Patches):
     def contains(self):
         """True if C eps(V_h) lies in Q_h, as far as the facets see: then edge form and lifting form are the same."""
         difference = largest = 0.0
-        for cells in (cells.samples for cells in self.cells):
-            projection = cells.inverseliftmass @ cells.stress
-            for s in cells.sides:
-                traction = cells.Traction(s)
-                difference = max(difference, np.abs(traction - cells.LiftedTraction(s) @ projection).max())
+        for group in (group.samples for group in self.groups):
+            projection = group.inverseliftmass @ group.stress
+            for s in group.sides:
+                traction = group.Traction(s)
+                difference = max(difference, np.abs(traction - group.LiftedTraction(s) @ projection).max())
                 largest = max(largest, np.abs(traction).max())
         # Round-off of products of matrices with entries of different size.
         return difference <= 1e-10 * largest
 
-    def EdgeCoupling(self, cells):
-        """sum_e m_e S_e' G_e^-1 S_e on elements, (n, m, m), m_e = 2 between elements and 1 on the boundary, or None.
+    def EdgeCoupling(self, group):
+        """sum_e m_e S_e' G_e^-1 S_e on elements, (n, v, v), m_e = 2 between elements and 1 on the boundary, or None.
 
         S_e are the element's own tractions in the averages, G_e the local lifting energy of a facet: by Young's inequality
         the edge form with eta sum_e (C r_e, r_e) is coercive if eta exceeds this against the energy of every element.  None if
@@ -179,14 +181,14 @@ class FacetOperators(Patches):
         """
         energies = {int(facet): energy for patch in self.FacetPatches()
                     for facet, energy in zip(patch.facets, self.LocalEnergy(patch))}
-        total = np.zeros_like(cells.energy)
-        for s in cells.sides:
-            share = self.share[cells.facets[:, s]]
+        total = np.zeros_like(group.energy)
+        for s in group.sides:
+            share = self.share[group.facets[:, s]]
             weak = np.flatnonzero(share > 0)
             if not len(weak):
                 continue
-            tractions = share[weak, None, None] * cells.Traction(s)[weak]
-            lifted = np.array([energies[facet] for facet in cells.facets[weak, s]])
+            tractions = share[weak, None, None] * group.Traction(s)[weak]
+            lifted = np.array([energies[facet] for facet in group.facets[weak, s]])
             inverse = np.linalg.pinv(lifted, rcond=1e-10, hermitian=True)
             if np.abs(tractions - lifted @ (inverse @ tractions)).max() > 1e-8 * np.abs(tractions).max():
                 return None

@@ -30,8 +30,8 @@ FACETS = {
 class FacetShapes:
     """On one facet of the reference element, with q points.
 
-    points (q, 3), weights (q,); normal (d,), outward, as long as the facet's measure over that of the weights' domain;
-    v (q, na), dv (q, d, na) shape functions of V_h and their reference gradients; p (q, nl) of Q_h; m (q, nm) of F_h
+    points (q, 3), weights (q,); normal (m,), outward, as long as the facet's measure over that of the weights' domain;
+    v (q, a), dv (q, m, a) shape functions of V_h and their reference gradients; p (q, p) of Q_h; mu (q, b) of F_h
     """
 
     points: np.ndarray
@@ -40,14 +40,14 @@ class FacetShapes:
     v: np.ndarray
     dv: np.ndarray
     p: np.ndarray
-    m: np.ndarray
+    mu: np.ndarray
 
 
-class ReferenceCell:
+class ReferenceElement:
     """Scalar shape functions of V_h (order k), Q_h (order l) and F_h (order k) on a reference element.
 
     et : element type;  rank : order of its global vertex numbers, a permutation of 0, 1, ...
-    points (q, 3), weights (q,), dv (q, d, na), p (q, nl);  facets : FacetShapes in NGSolve's local order
+    points (q, 3), weights (q,), dv (q, m, a), p (q, p);  facets : FacetShapes in NGSolve's local order
     constant : True if all gradients are constant
     """
 
@@ -85,20 +85,20 @@ class ReferenceCell:
             mesh.Add({2: Element1D, 3: Element2D}[self.dim](index=side, vertices=vertices))
         return Mesh(mesh)
 
-    def _Facet(self, element, rank, degree, v, p, m):
+    def _Facet(self, element, rank, degree, v, p, mu):
         rule = IntegrationRule(element.type, degree)
         points, weights = _Points(rule)
         corners = self._vertices[[list(rank).index(vertex.nr) for vertex in element.vertices]]
         inside = VertexFunctions(element.type, points[:, 0], points[:, 1]) @ corners
         inside = np.pad(inside, ((0, 0), (0, 3 - inside.shape[1])))
         return FacetShapes(inside, weights, ReferenceNormal(corners, self._vertices.mean(axis=0), self.dim), _Values(v, inside),
-                           _Gradients(v, inside, self.dim), _Values(p, inside), _Values(m, points))
+                           _Gradients(v, inside, self.dim), _Values(p, inside), _Values(mu, points))
 
 
 @lru_cache(maxsize=256)
 def Reference(et, rank, order, liftorder, bonus):
-    """The ReferenceCell of these arguments, `rank` as a tuple; made once."""
-    return ReferenceCell(et, np.array(rank), order, liftorder, bonus)
+    """The ReferenceElement of these arguments, `rank` as a tuple; made once."""
+    return ReferenceElement(et, np.array(rank), order, liftorder, bonus)
 
 
 def _Points(rule):
@@ -107,9 +107,11 @@ def _Points(rule):
 
 
 def _Values(element, points):
+    """(q, functions)"""
     return np.array([np.array(element.CalcShape(*map(float, point))) for point in points])
 
 
 def _Gradients(element, points, dim):
+    """(q, m, functions)"""
     values = [np.array(element.CalcDShape(*map(float, point))).reshape(element.ndof, dim).T for point in points]
     return np.array(values)

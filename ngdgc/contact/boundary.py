@@ -49,7 +49,7 @@ class ContactBoundary:
         pieces = [BoundaryQuadrature.On(facets, foundation.boundary, rules) for foundation in problem.foundation]
         points, inside, coordinates, normals, weights, self.facets = (
             np.concatenate([getattr(piece, name) for piece in pieces])
-            for name in ("points", "inside", "coordinates", "normals", "weights", "facets"))
+            for name in ("points", "inside", "coordinates", "normals", "weights", "boundaryelements"))
         owner = np.repeat(np.arange(len(pieces)), [len(piece.weights) for piece in pieces])
         dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
         self.members = SharedPoints(trace[::dim], normals, owner)

@@ -18,8 +18,8 @@ class BoundaryQuadrature:
     """Points of a quadrature rule on a boundary region, n points in d dimensions.
 
     `points` are NGSolve mesh points on the boundary and `inside` the same points in the adjacent volume elements;
-    `coordinates` (n, d), `normals` (n, d) outward, `weights` (n,) contain the surface measure; `elements` (n,) is the
-    number of the adjacent volume element, `facets` (n,) of the boundary element.
+    `coordinates` (n, i), `normals` (n, i) outward, `weights` (n,) contain the surface measure; `elements` (n,) is the
+    number of the adjacent volume element, `boundaryelements` (n,) of the boundary element.
     """
 
     points: np.ndarray
@@ -33,7 +33,7 @@ class BoundaryQuadrature:
         return self.inside["nr"]
 
     @property
-    def facets(self):
+    def boundaryelements(self):
         return self.points["nr"]
 
     @classmethod
@@ -47,23 +47,23 @@ class BoundaryQuadrature:
         """
         mesh, dim = facets.mesh, facets.mesh.dim
         rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
-        points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
+        points = mesh.MapToAllElements(rules, mesh.Boundaries(region))          # n; the q points of an element in a row
         points = points[Sides(facets, region)[points["nr"]]]
-        jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)
-        measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))
+        jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)        # n i m
+        measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))                            # n
         weights, inside, normals = measure.copy(), points.copy(), np.empty((len(points), dim))
         inside["VorB"] = 0
-        starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))
+        starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))              # e: first points of the boundary elements
         facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
         volumes = facets.incidence.indices[facets.incidence.indptr[facet] + np.minimum(side, facets.neighbours[facet] - 1)]
-        around = facets.vertices[volumes]
+        around = facets.vertices[volumes]           # vertices of the elements inside, (e, most); `vertices` those of the sides
         # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
         corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)
         kinds, kind = np.unique(np.column_stack([corner, (around >= 0).sum(axis=1)]), axis=0, return_inverse=True)
         for number, (*local, count) in enumerate(kinds):
             members = np.flatnonzero(kind.ravel() == number)
             et = TYPES[dim - 1][sum(one >= 0 for one in local)]
-            here = starts[members][:, None] + np.arange(len(rules[et]))
+            here = starts[members][:, None] + np.arange(len(rules[et]))         # (members, q) -> n
             weights[here] *= rules[et].weights
             reference = np.array(REFERENCE_VERTICES[TYPES[dim][count]], dtype=float)
             corners = reference[[one for one in local if one >= 0]]
@@ -74,12 +74,12 @@ class BoundaryQuadrature:
                 inside[axis][here] = values.reshape(here.shape)
         # NGSolve's normal at boundary points follows the orientation of the boundary element, which may point into the body
         # (holes, mirrored meshes); the reference normal of the adjacent element, mapped as a covector, always points outward.
-        mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)
+        mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)      # n i m
         normals = np.linalg.solve(np.swapaxes(mapping, 1, 2), normals[..., None])[..., 0]
         coordinates, beside = (np.asarray(Coordinates(dim)(at)).reshape(-1, dim) for at in (points, inside))
-        gap = np.abs(coordinates - beside).max(initial=0)
-        if gap > SAME * np.abs(coordinates).max(initial=0):
-            raise ProblemError(f"boundary elements of region {region!r} lie up to {gap:.3g} off the sides of their elements; "
+        apart = np.abs(coordinates - beside).max(initial=0)
+        if apart > SAME * np.abs(coordinates).max(initial=0):
+            raise ProblemError(f"boundary elements of region {region!r} lie up to {apart:.3g} off the sides of their elements; "
                                "both must have the same points in the middle of edges: make the mesh again, or take Curve")
         return cls(points=points, inside=inside, weights=weights, coordinates=coordinates,
                    normals=normals / np.linalg.norm(normals, axis=1)[:, None])

@@ -46,13 +46,13 @@ class FacetForm:
         operators = self.operators
         matrix = operators.Matrix(self.space, reach=2 if self.globallift else 1)
         distinct = operators.facets.distinct
-        own = [np.empty((len(cells.elements),) + 2 * (operators.dim * cells.na,)) for cells in operators.cells]
-        for cells, blocks in zip(operators.cells, own):
+        own = [np.empty((len(group.elements),) + 2 * (operators.dim * group.na,)) for group in operators.groups]
+        for group, blocks in zip(operators.groups, own):
             def Energy(batch, blocks=blocks):
                 rows, part = batch
                 blocks[rows] = part.energy
 
-            for _ in Map(Energy, cells.Parts(blocks[0].size), threads=operators.many):
+            for _ in Map(Energy, group.Parts(blocks[0].size), threads=operators.many):
                 pass
 
         def Couple(patch):
@@ -64,9 +64,9 @@ class FacetForm:
 
         for diagonal in Map(Couple, operators.FacetPatches(), threads=operators.many and distinct):
             for side, block in diagonal:
-                own[side.group][side.rows] += block
-        for cells, blocks in zip(operators.cells, own):
-            matrix.Put(cells.elements, cells.elements, blocks)
+                own[side.number][side.rows] += block
+        for group, blocks in zip(operators.groups, own):
+            matrix.Put(group.elements, group.elements, blocks)
         if self.globallift:
             for elements, block in Map(self._StarBlock, operators.Stars(), threads=operators.many):
                 matrix.Add(elements, block)
@@ -95,13 +95,13 @@ class FacetForm:
     def _StarBlock(self, star):
         """(elements, block) of (C r_0[u], r_0[v]) on a batch of elements."""
         lifting = self.operators.GlobalLifting(star)
-        weighted = star.cells.weightedliftmass @ lifting
+        weighted = star.group.weightedliftmass @ lifting
         return star.elements, np.swapaxes(lifting, 1, 2) @ weighted
 
     def _Data(self):
         """{region: values prescribed on it, coefficients in F_h}."""
         problem, operators = self.problem, self.operators
-        mu, n = operators.traces.TestFunction(), operators.normal
+        mu, n = operators.facetspace.TestFunction(), operators.normal
         values = {region: OnFacets(problem, "dirichlet", region, operators.mesh) for region in problem.dirichlet}
         values |= {region: OnFacets(problem, "roller", region, operators.mesh) * n for region in problem.roller}
         data = {}
@@ -110,7 +110,7 @@ class FacetForm:
             moments = LinearForm(value * mu * measure).Assemble().vec.FV().NumPy()
             data[region] = np.zeros(len(moments))
             for patch in operators.FacetPatches(operators.facets.On(region)):
-                dofs = operators.TraceDofs(patch.facets)
+                dofs = operators.FacetDofs(patch.facets)
                 data[region][dofs] = operators.Apply(operators.inversemass(patch.sides[0]), moments[dofs][..., None])[..., 0]
         return data
 
@@ -132,14 +132,14 @@ class FacetForm:
         operators = self.operators
         result = np.zeros(len(jump))
         for patch in operators.FacetPatches(near):
-            dofs = operators.TraceDofs(patch.facets)
+            dofs = operators.FacetDofs(patch.facets)
             result[dofs] += (self.FacetMatrix(patch) @ jump[dofs][..., None])[..., 0]
         if self.globallift:
             for star in operators.Stars(operators.facets.Touching(near)):
-                dofs = [operators.TraceDofs(facets) for _, facets, _ in star.arms]
+                dofs = [operators.FacetDofs(facets) for _, facets, _ in star.arms]
                 liftings = operators.Liftings(star)
                 lifted = sum(lifting @ jump[own][..., None] for lifting, own in zip(liftings, dofs))
-                stress = star.cells.weightedliftmass @ lifted
+                stress = star.group.weightedliftmass @ lifted
                 for lifting, own in zip(liftings, dofs):
                     np.add.at(result, own, (np.swapaxes(lifting, 1, 2) @ stress)[..., 0])
         return result
@@ -149,7 +149,7 @@ class FacetForm:
         operators = self.operators
         result = np.zeros(self.space.ndof)
         for patch in operators.FacetPatches(near):
-            moments = values[operators.TraceDofs(patch.facets)][..., None]
+            moments = values[operators.FacetDofs(patch.facets)][..., None]
             np.add.at(result, operators.Dofs(patch.elements), (np.swapaxes(blocks(patch), 1, 2) @ moments)[..., 0])
         return result
 
@@ -158,20 +158,20 @@ class FacetForm:
         """Coefficients in F_h of the numerical flux sigma_hat n, n the normal that fixes the orientation of the facet."""
         operators, vector = self.operators, gfu.vec.FV().NumPy()
         everywhere = np.ones(len(operators.share), dtype=bool)
-        jump = -sum(self._Data().values(), np.zeros(operators.traces.ndof))
+        jump = -sum(self._Data().values(), np.zeros(operators.facetspace.ndof))
         for patch in operators.FacetPatches():
             local = vector[operators.Dofs(patch.elements)][..., None]
-            jump[operators.TraceDofs(patch.facets)] += (operators.Jumps(patch) @ local)[..., 0]
+            jump[operators.FacetDofs(patch.facets)] += (operators.Jumps(patch) @ local)[..., 0]
         flux = -self._Penalised(jump, everywhere)
         for patch in operators.FacetPatches():
-            dofs, local = operators.TraceDofs(patch.facets), vector[operators.Dofs(patch.elements)][..., None]
+            dofs, local = operators.FacetDofs(patch.facets), vector[operators.Dofs(patch.elements)][..., None]
             moments = (operators.Tractions(patch, self.lifted) @ local) + flux[dofs][..., None]
             flux[dofs] = operators.Apply(operators.inversemass(patch.sides[0]), moments)[..., 0]
         return flux
 
     def FluxFunction(self, gfu):
         """The numerical flux as a GridFunction on the facets [stress]."""
-        function = GridFunction(self.operators.traces)
+        function = GridFunction(self.operators.facetspace)
         function.vec.FV().NumPy()[:] = self.Flux(gfu)
         return function
 

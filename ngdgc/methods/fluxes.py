@@ -34,17 +34,17 @@ def Flux(solution):
     form = disc.facetform
     function = form.FluxFunction(solution.gfu)
     values, operators = function.vec.FV().NumPy(), form.operators
-    mu = operators.traces.TestFunction()
+    mu = operators.facetspace.TestFunction()
     for region in disc.problem.traction:
         boundary = disc.mesh.Boundaries(region)
         measure = ds(skeleton=True, definedon=boundary, bonus_intorder=LOADBONUS)
         integral = OnFacets(disc.problem, "traction", region, disc.mesh) * mu * measure
         moments = LinearForm(integral).Assemble().vec.FV().NumPy()
         for patch in operators.FacetPatches(disc.facets.On(region), weak=False):
-            dofs = operators.TraceDofs(patch.facets)
+            dofs = operators.FacetDofs(patch.facets)
             values[dofs] += operators.Apply(operators.inversemass(patch.sides[0]), moments[dofs][..., None])[..., 0]
     _AddContact(disc, operators, solution.traction, values)
-    values *= np.tile(np.repeat(disc.facets.interfaces.sign, operators.tracesizes), disc.mesh.dim)
+    values *= np.tile(np.repeat(disc.facets.interfaces.sign, operators.facetsizes), disc.mesh.dim)
     return function
 
 
@@ -55,7 +55,7 @@ def _AddContact(disc, operators, traction, values):
     facets = np.array([numbers[number] for number in contact.facets])
     for foundation, here, _, _ in contact.parts:
         for patch in operators.FacetPatches(disc.facets.On(foundation.boundary), weak=False):
-            side, dofs = patch.sides[0], operators.TraceDofs(patch.facets)
+            side, dofs = patch.sides[0], operators.FacetDofs(patch.facets)
             traces, inverse = operators.tracevalues(side), operators.inversemass(side)
             for row, facet in enumerate(patch.facets):
                 points = here.start + np.flatnonzero(facets[here] == facet)

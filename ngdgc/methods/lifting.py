@@ -29,8 +29,8 @@ class SparseOperators:
 
     def __init__(self, blocks):
         self.blocks, self.share = blocks, blocks.share
-        self._shape = {"V": blocks.dim * int(blocks.starts[-1]), "F": blocks.dim * int(blocks.tracestarts[-1]),
-                       "Q": len(blocks.cells[0].basis) * int(blocks.liftstarts[-1])}
+        self._shape = {"V": blocks.dim * int(blocks.starts[-1]), "F": blocks.dim * int(blocks.facetstarts[-1]),
+                       "Q": len(blocks.groups[0].basis) * int(blocks.liftstarts[-1])}
 
     def _Sparse(self, spaces, batches):
         """CSR from batches (row dofs (n, r), column dofs (n, c), blocks (n, r, c)); entries add up."""
@@ -45,15 +45,15 @@ class SparseOperators:
         return sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
     def _Lift(self, elements):
-        return Numbers(self.blocks.liftstarts, elements[:, None], len(self.blocks.cells[0].basis))
+        return Numbers(self.blocks.liftstarts, elements[:, None], len(self.blocks.groups[0].basis))
 
     def _OnElements(self, spaces, rows, columns, blocks):
-        return self._Sparse(spaces, [(rows(cells.elements), columns(cells.elements), blocks(cells))
-                                     for cells in self.blocks.cells])
+        return self._Sparse(spaces, [(rows(group.elements), columns(group.elements), blocks(group))
+                                     for group in self.blocks.groups])
 
     def _OnFacets(self, blocks):
         """V_h x F_h, from blocks(patch)."""
-        return self._Sparse("FV", ((self.blocks.TraceDofs(patch.facets), self.blocks.Dofs(patch.elements), blocks(patch))
+        return self._Sparse("FV", ((self.blocks.FacetDofs(patch.facets), self.blocks.Dofs(patch.elements), blocks(patch))
                                    for patch in self.blocks.FacetPatches()))
 
     def _Displacement(self, elements):
@@ -61,15 +61,15 @@ class SparseOperators:
 
     @cached_property
     def K(self):
-        return self._OnElements("VV", self._Displacement, self._Displacement, lambda cells: cells.energy)
+        return self._OnElements("VV", self._Displacement, self._Displacement, lambda group: group.energy)
 
     @cached_property
     def R(self):
-        return self._OnElements("QV", self._Lift, self._Displacement, lambda cells: cells.stress)
+        return self._OnElements("QV", self._Lift, self._Displacement, lambda group: group.stress)
 
     @cached_property
     def inverseMQ(self):
-        return self._OnElements("QQ", self._Lift, self._Lift, lambda cells: cells.inverseliftmass)
+        return self._OnElements("QQ", self._Lift, self._Lift, lambda group: group.inverseliftmass)
 
     @cached_property
     def J(self):
@@ -89,16 +89,16 @@ class SparseOperators:
             return np.kron(np.eye(self.blocks.dim), self.blocks.inversemass(patch.sides[0]))
 
         return self._Sparse("FF", ((dofs, dofs, Blocks(patch)) for patch in self.blocks.FacetPatches()
-                                   for dofs in [self.blocks.TraceDofs(patch.facets)]))
+                                   for dofs in [self.blocks.FacetDofs(patch.facets)]))
 
     @cached_property
     def N(self):
         """From -M_Q^-1 N', the liftings of the elements' facets."""
         def Batches():
             for star in self.blocks.Stars():
-                mass = np.linalg.inv(self.blocks.cells[star.group].inverseliftmass[star.rows])
+                mass = np.linalg.inv(self.blocks.groups[star.number].inverseliftmass[star.rows])
                 for (_, facets, _), lift in zip(star.arms, self.blocks.Liftings(star)):
-                    yield self.blocks.TraceDofs(facets), self._Lift(star.elements[:, 0]), -np.swapaxes(mass @ lift, 1, 2)
+                    yield self.blocks.FacetDofs(facets), self._Lift(star.elements[:, 0]), -np.swapaxes(mass @ lift, 1, 2)
 
         return self._Sparse("FQ", Batches())
 
@@ -106,9 +106,9 @@ class SparseOperators:
     def G(self):
         def Batches():
             for star in self.blocks.Stars():
-                dofs = np.concatenate([self.blocks.TraceDofs(facets) for _, facets, _ in star.arms], axis=1)
+                dofs = np.concatenate([self.blocks.FacetDofs(facets) for _, facets, _ in star.arms], axis=1)
                 lift = np.concatenate(self.blocks.Liftings(star), axis=2)
-                mass = self.blocks.cells[star.group].weightedliftmass[star.rows]
+                mass = self.blocks.groups[star.number].weightedliftmass[star.rows]
                 yield dofs, dofs, np.swapaxes(lift, 1, 2) @ mass @ lift
 
         return self._Sparse("FF", Batches())
@@ -116,11 +116,11 @@ class SparseOperators:
     @cached_property
     def localG(self):
         return self._Sparse("FF", ((dofs, dofs, self.blocks.LocalEnergy(patch)) for patch in self.blocks.FacetPatches()
-                                   for dofs in [self.blocks.TraceDofs(patch.facets)]))
+                                   for dofs in [self.blocks.FacetDofs(patch.facets)]))
 
     @cached_property
     def facetof(self):
-        return np.tile(np.repeat(np.arange(len(self.share)), self.blocks.tracesizes), self.blocks.dim)
+        return np.tile(np.repeat(np.arange(len(self.share)), self.blocks.facetsizes), self.blocks.dim)
 
 
 @ByKeyword
@@ -150,7 +150,7 @@ class Lifting:
             order, "order", f"the degree of the lifting space must be an integer >= 0, at most {most}", least=0, most=most)
         share, rollers = WeakFacets(disc.problem, disc.facets)
         blocks = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
-        self.operators, self.space = SparseOperators(blocks), blocks.liftings
+        self.operators, self.space = SparseOperators(blocks), blocks.liftspace
 
     def _CheckFacet(self, facet):
         last = len(self.operators.share) - 1

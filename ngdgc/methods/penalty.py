@@ -29,38 +29,38 @@ MARGIN = 2      # kappa_K = 1/MARGIN for penalty="auto": B_h >= (1 - 1/sqrt 2) o
 def ElementBounds(operators, facetweight, bound):
     """Largest eigenvalue over V_h(K) of sum_e facetweight_e pencil_e against int_K C eps:eps, over elements.
 
-    bound(cells, weights) : `ElasticBound` or `PlainBound`, that is the pencil, with weights (n, sides)
+    bound(group, weights) : `ElasticBound` or `PlainBound`, that is the pencil, with weights (n, sides)
     """
     def Largest(batch):
-        _, cells = batch
-        weights = facetweight[cells.facets]
-        return cells.elements, bound(cells, weights) if weights.any() else 0
+        _, group = batch
+        weights = facetweight[group.facets]
+        return group.elements, bound(group, weights) if weights.any() else 0
 
     largest = np.zeros(operators.mesh.ne)
-    for cells in operators.cells:
-        for elements, values in Map(Largest, cells.Parts((operators.dim * cells.na) ** 2), threads=operators.many):
+    for group in operators.groups:
+        for elements, values in Map(Largest, group.Parts((operators.dim * group.na) ** 2), threads=operators.many):
             largest[elements] = values
     return largest
 
 
-def ElasticBound(cells, weights):
+def ElasticBound(group, weights):
     """Largest eigenvalues for int_e C eps:eps, (n,)."""
     # Where the strains are constant the two forms are proportional.
-    return cells.SurfaceRatios(weights) if cells.constant else LargestEigenvalues(cells.ElasticPencil(weights), cells)
+    return group.SurfaceRatios(weights) if group.constant else LargestEigenvalues(group.ElasticPencil(weights), group)
 
 
-def PlainBound(cells, weights):
+def PlainBound(group, weights):
     """Largest eigenvalues for int_e 2 |C eps n|^2 - (n.C eps n)^2, (n,)."""
-    return LargestEigenvalues(cells.PlainPencil(weights), cells)
+    return LargestEigenvalues(group.PlainPencil(weights), group)
 
 
-def LargestEigenvalues(upper, cells):
+def LargestEigenvalues(upper, group):
     """Largest eigenvalues of upper x = kappa K x, (n,), on the elements of a group, where both vanish on rigid motions.
 
     Adding the squares of functionals that no rotation but 0 annihilates to K changes no eigenvalue, since a rotation can be
     added to x until they vanish; functions without gradient are left out.
     """
-    lower, rotations = cells.energy, cells.rotations
+    lower, rotations = group.energy, group.rotations
     moving = np.any(np.diagonal(lower, axis1=1, axis2=2) > 0, axis=0)
     select = np.ix_(np.arange(len(lower)), np.flatnonzero(moving), np.flatnonzero(moving))
     upper, lower, rotations = upper[select], lower[select], rotations[:, moving]

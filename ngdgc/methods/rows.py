@@ -249,14 +249,14 @@ class Conforming:
 
 def _NeededLifting(operators, form):
     """(largest number of facets of an element, an eta above which the form with eta sum_e (C r_e, r_e) is coercive)."""
-    facets = max(int((operators.share[cells.facets] > 0).sum(axis=1).max()) for cells in operators.cells)
+    facets = max(int((operators.share[group.facets] > 0).sum(axis=1).max()) for group in operators.groups)
     if form == "lifting" or operators.contains:
         # |r_0|^2 <= N_K sum_e |r_e|^2 on an element with N_K facets in E0.
         return facets, facets
-    couplings = [operators.EdgeCoupling(cells) for cells in operators.cells]
+    couplings = [operators.EdgeCoupling(group) for group in operators.groups]
     if any(coupling is None for coupling in couplings):
         return facets, np.inf
-    return facets, max(LargestEigenvalues(coupling, cells).max() for coupling, cells in zip(couplings, operators.cells))
+    return facets, max(LargestEigenvalues(coupling, group).max() for coupling, group in zip(couplings, operators.groups))
 
 
 def _Parts(problem, facets, rule):

@@ -158,12 +158,12 @@ def _AddContact(solution, functions, values, forces):
     """Subtract the integrals of t from the forces, and from the values the function that is t at the contact points."""
     numbers = solution.disc.facets.boundary[0]
     for quadrature, traction in _Contact(solution):
-        np.subtract.at(forces, numbers[quadrature.facets], quadrature.weights[:, None] * traction)
+        np.subtract.at(forces, numbers[quadrature.boundaryelements], quadrature.weights[:, None] * traction)
         shapes, root = functions.Values(quadrature), np.sqrt(quadrature.weights)[:, None]
-        starts = np.flatnonzero(np.diff(quadrature.facets, prepend=-1))
+        starts = np.flatnonzero(np.diff(quadrature.boundaryelements, prepend=-1))
         counts = np.diff(np.append(starts, len(root)))
         for count in np.unique(counts):
             chosen = starts[counts == count]
-            rows, dofs = chosen[:, None] + np.arange(count), functions.dofs[quadrature.facets[chosen]]
+            rows, dofs = chosen[:, None] + np.arange(count), functions.dofs[quadrature.boundaryelements[chosen]]
             found = np.linalg.pinv((root * shapes)[rows]) @ (root * traction)[rows]
             values[dofs[dofs >= 0]] -= found[dofs >= 0]

@@ -96,7 +96,7 @@ def _Prescribed(disc, kind, at):
         return np.zeros((0, 1))
     values = np.concatenate([at(value, quadrature.points, name, region).reshape(len(quadrature.points), -1)
                              for quadrature, value, name, region in found])
-    return values[np.argsort(np.concatenate([quadrature.facets for quadrature, *_ in found]), kind="stable")]
+    return values[np.argsort(np.concatenate([quadrature.boundaryelements for quadrature, *_ in found]), kind="stable")]
 
 
 def _ByElement(mesh, functions):

@@ -75,7 +75,7 @@ def _StrongReactions(solution):
     if disc.method.discontinuous or not disc.problem.dirichlet:
         return
     quadrature, tractions = solution.facettractions.held
-    facet, motion = disc.facets.boundary[0][quadrature.facets], GridFunction(disc.space)
+    facet, motion = disc.facets.boundary[0][quadrature.boundaryelements], GridFunction(disc.space)
     traces = []
     for coefficients in RigidBasis(disc.space):
         motion.vec.FV().NumPy()[:] = coefficients

@@ -32,7 +32,7 @@ def NumericalTractions(solution):
         inverse = operators.inversemass(patch.sides[0])
         # The first facet function is 1: its products with all of them are a column of the mass.
         integrals = np.linalg.solve(inverse, np.eye(inverse.shape[1])[:, :1])
-        local = values[operators.TraceDofs(patch.facets)].reshape(len(patch.facets), disc.mesh.dim, -1)
+        local = values[operators.FacetDofs(patch.facets)].reshape(len(patch.facets), disc.mesh.dim, -1)
         forces[patch.facets] = (local @ integrals)[..., 0]
     return FacetTractions(solution.flux, forces)
 
@@ -59,12 +59,12 @@ class FacetFunctions:
             vector[:] = 0
             vector[dofs[dofs >= 0]] = 1
             # Points in one array whose boundary elements lack the function have dofs of no element: zeros.
-            columns.append(np.where(dofs[quadrature.facets] >= 0, np.asarray(function(quadrature.points)).ravel(), 0))
+            columns.append(np.where(dofs[quadrature.boundaryelements] >= 0, np.asarray(function(quadrature.points)).ravel(), 0))
         return np.stack(columns, axis=1)
 
     def Matrix(self, quadrature):
         """The values as a sparse matrix (n, scalar dofs)."""
-        values, dofs = self.Values(quadrature), self.dofs[quadrature.facets]
+        values, dofs = self.Values(quadrature), self.dofs[quadrature.boundaryelements]
         row = np.broadcast_to(np.arange(len(dofs))[:, None], dofs.shape)
         there = dofs >= 0
         return sp.csr_matrix((values[there], (row[there], dofs[there])), shape=(len(dofs), self.scalar.ndof))

@@ -34,15 +34,15 @@ def Operators(mesh, material, order):
                                             (Distorted("quad"), HOOKE), (Ring(2, 0.5), GRADED), (BoxMesh(2), HOOKE)],
                          ids=["affine", "graded", "quads", "curved", "tets"])
 def test_a_part_of_the_elements_has_their_matrices(mesh, material):
-    (cells,) = Operators(mesh, material, 2).cells
-    rows = np.random.default_rng(1).permutation(len(cells.elements))[:7]
-    part = cells.Part(rows)
+    (group,) = Operators(mesh, material, 2).groups
+    rows = np.random.default_rng(1).permutation(len(group.elements))[:7]
+    part = group.Part(rows)
     for matrices in (lambda one: one.energy, lambda one: one.Traction(1), lambda one: one.TraceValue(0),
                      lambda one: one.ElasticJump(2), lambda one: one.inverseliftmass, lambda one: one.weightedliftmass):
-        whole, found = matrices(cells), matrices(part)
+        whole, found = matrices(group), matrices(part)
         # One product for all elements or for few: the order of the sums may differ.
         assert np.abs(found - whole[rows]).max() <= 1e-13 * np.abs(whole).max()
-    assert np.abs(part.energy - cells.energy[np.sort(rows)]).max() > 1e-3 * np.abs(cells.energy).max()
+    assert np.abs(part.energy - group.energy[np.sort(rows)]).max() > 1e-3 * np.abs(group.energy).max()
 
 
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), BassiEtAl()], ids=repr)
@@ -88,7 +88,7 @@ def test_ratio_of_surface_and_volume_is_the_eigenvalue_of_constant_strains(cells
     """c_K = max int_dK w C eps:eps / int_K C eps:eps; with strains that vary the ratio is no bound."""
     mesh = Distorted("triangle") if cells == "triangle" else BoxMesh(2, upper=(1, 2, 3))
     for order, same in ((1, True), (2, False)):
-        (group,) = Operators(mesh, HOOKE, order).cells
+        (group,) = Operators(mesh, HOOKE, order).groups
         weights = np.random.default_rng(2).uniform(1, 2, group.facets.shape)
         eigenvalues = LargestEigenvalues(group.ElasticPencil(weights), group)
         ratios = group.SurfaceRatios(weights)
@@ -146,7 +146,7 @@ def test_boundary_points_lie_where_their_images_inside_do(mesh):
         at = Coordinates(mesh.dim)(quadrature.inside)
         assert np.abs(at - quadrature.coordinates).max() < 1e-13
         assert np.abs(np.roll(at, 1, axis=0) - quadrature.coordinates).max() > 1e-2
-        incident = facets.incidence[facets.boundary[0][quadrature.facets], quadrature.elements]
+        incident = facets.incidence[facets.boundary[0][quadrature.boundaryelements], quadrature.elements]
         assert np.all(np.asarray(incident) > 0)
 
 
@@ -157,8 +157,8 @@ def test_assembly_keeps_little_beside_the_matrix():
         form = Discretization(Example(), InteriorPenalty(), RectangleMesh(48)).form
         matrix = 12 * form.Matrix().nze
         assert tracemalloc.get_traced_memory()[0] < 0.4 * matrix
-        (cells,) = form.operators.cells
-        tables = [(cells.Traction(side), cells.TraceValue(side)) for side in cells.sides]
+        (group,) = form.operators.groups
+        tables = [(group.Traction(side), group.TraceValue(side)) for side in group.sides]
         assert tables and tracemalloc.get_traced_memory()[0] > 0.8 * matrix
     finally:
         tracemalloc.stop()

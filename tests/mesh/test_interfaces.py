@@ -79,7 +79,7 @@ def test_normal_does_not_turn_along_an_interface(path, turn):
     mesh = Crossed({"path": [path[:3], path[:1:-1]]}, turn=turn)     # two strokes that run towards each other
     facets = Facets(mesh)
     quadrature = BoundaryQuadrature.On(facets, "path", 0)
-    numbers = facets.boundary[0][quadrature.facets]
+    numbers = facets.boundary[0][quadrature.boundaryelements]
     left = []
     for middle, normal in zip(6 * quadrature.coordinates, facets.interfaces.sign[numbers, None] * quadrature.normals):
         (a, b), = ((a, b) for a, b in pairs if np.allclose((np.array(a) + b) / 2, middle))

@@ -139,7 +139,7 @@ def test_norm_against_its_definition(kind):
     disc = Discretization(problem, LDG(), mesh, order=1)
     operators, function = Lifting(disc).operators, Random(disc.space)
     vector, n = function.vec.FV().NumPy(), specialcf.normal(mesh.dim)
-    jump = GridFunction(operators.blocks.traces)
+    jump = GridFunction(operators.blocks.facetspace)
     jump.vec.FV().NumPy()[:] = operators.inverseMF @ (operators.J @ vector)
     # Both sides of an interior facet are integrated.
     tensor = Sym(OuterProduct(jump, n))

@@ -38,7 +38,8 @@ class ContactBoundary:
     Attributes
     ----------
     coordinates, normals : (n, d);  weights, gap : (n,) [length^(d-1)], [length]
-    facets, members : (m,), the pairs of a facet and a contact point on it; of discontinuous elements every point has one facet
+    boundaryelements, members : (pairs,), the pairs of a boundary element and a contact point on it; of discontinuous methods
+        every point is in one pair
     measures : (n,) of the facet, or the mean of several [length^(d-1)]
     trace : sparse (n d, ndof), row p d + i gives component i of u_h at point p
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
@@ -47,7 +48,7 @@ class ContactBoundary:
 
     def __init__(self, problem, facets, space, scalar, rules):
         pieces = [BoundaryQuadrature.On(facets, foundation.boundary, rules) for foundation in problem.foundation]
-        points, inside, coordinates, normals, weights, self.facets = (
+        points, inside, coordinates, normals, weights, self.boundaryelements = (
             np.concatenate([getattr(piece, name) for piece in pieces])
             for name in ("points", "inside", "coordinates", "normals", "weights", "boundaryelements"))
         owner = np.repeat(np.arange(len(pieces)), [len(piece.weights) for piece in pieces])
@@ -56,7 +57,7 @@ class ContactBoundary:
         _, first = np.unique(self.members, return_index=True)
         self.weights = np.bincount(self.members, weights)
         mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))
-        _, number = np.unique(self.facets, return_inverse=True)
+        _, number = np.unique(self.boundaryelements, return_inverse=True)
         self.measures = mean @ np.bincount(number, weights)[number]
         self.normals = mean @ normals
         self.normals /= np.linalg.norm(self.normals, axis=1)[:, None]

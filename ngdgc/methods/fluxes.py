@@ -1,7 +1,7 @@
 """The numerical fluxes of Table 1 as functions on the facets, to be drawn and integrated."""
 
 import numpy as np
-from ngsolve import BND, ElementId, LinearForm, ds
+from ngsolve import LinearForm, ds
 
 from ..data.coefficients import LOADBONUS, OnFacets
 from ..exceptions import ProblemError
@@ -51,8 +51,7 @@ def Flux(solution):
 def _AddContact(disc, operators, traction, values):
     """Subtract the traction t (n, d) of the contact points, as coefficients in F_h, from the values on Gamma_C."""
     contact, dim = disc.contact, disc.mesh.dim
-    numbers = {number: disc.facets.space.GetDofNrs(ElementId(BND, int(number)))[0] for number in np.unique(contact.facets)}
-    facets = np.array([numbers[number] for number in contact.facets])
+    facets = disc.facets.boundary[0][contact.boundaryelements]
     for foundation, here, _, _ in contact.parts:
         for patch in operators.FacetPatches(disc.facets.On(foundation.boundary), weak=False):
             side, dofs = patch.sides[0], operators.FacetDofs(patch.facets)

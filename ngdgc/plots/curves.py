@@ -73,7 +73,7 @@ def Along(disc, region):
         s = np.full(len(contact.weights), np.nan)
         for facet in np.unique(curve.points["nr"]):
             edge = curve.points["nr"] == facet
-            mine = contact.members[contact.facets == facet]
+            mine = contact.members[contact.boundaryelements == facet]
             chord = curve.coordinates[edge][-1] - curve.coordinates[edge][0]
             s[mine] = np.interp(contact.coordinates[mine] @ chord, curve.coordinates[edge] @ chord, curve.s[edge])
         numbers = np.argsort(s)[:np.sum(~np.isnan(s))]

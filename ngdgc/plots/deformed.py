@@ -30,7 +30,7 @@ def DeformedFigure(solution, *, scale=1):
     _, axes = PlaneAxes()
     for foundation, *_ in contact.parts:
         for curve in Curves(disc, foundation.boundary):
-            mine = np.unique(contact.members[np.isin(contact.facets, curve.points["nr"])])
+            mine = np.unique(contact.members[np.isin(contact.boundaryelements, curve.points["nr"])])
             moved = (contact.coordinates + scale * solution.displacement)[mine]
             deepest = scale * solution.penetration[mine].max()
             thickness = max(Thickness(disc, curve), 1.3 * deepest)

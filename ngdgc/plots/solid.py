@@ -47,8 +47,8 @@ def DrawMap(axes, solution, here, frame, *, array, **style):
     """
     contact, (corners, _) = solution.disc.contact, BoundaryFunction(solution.disc.facets, solution.gfu)
     faces, cells, members = [], [], []
-    for facet in np.unique(contact.facets[(contact.members >= here.start) & (contact.members < here.stop)]):
-        mine = contact.members[contact.facets == facet]
+    for facet in np.unique(contact.boundaryelements[(contact.members >= here.start) & (contact.members < here.stop)]):
+        mine = contact.members[contact.boundaryelements == facet]
         faces.append(corners[facet] @ frame.T)
         cells += Cells(faces[-1], contact.coordinates[mine] @ frame.T)
         members += mine.tolist()
@@ -87,7 +87,7 @@ def DeformedSurface(solution, scale):
     corners, moved = BoundaryFunction(disc.facets, solution.gfu)
     shown = [number for number, u in enumerate(moved) if np.all(np.isfinite(u))]
     faces = [corners[number] + scale * moved[number] for number in shown]
-    touching, members = disc.contact.facets, disc.contact.members
+    touching, members = disc.contact.boundaryelements, disc.contact.members
     zone = {number: ZONE_COLOURS[solution.zones[members[touching == number]].max()] for number in np.unique(touching)}
     colours = [zone.get(number, "#D9E5F0") for number in shown]
     largest = max(np.linalg.norm(moved[number], axis=1).max() for number in shown)

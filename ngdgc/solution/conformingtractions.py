@@ -70,7 +70,7 @@ def _Given(solution, space):
 def _Held(solution, sides, shapes, mass):
     """Weighted values w_q lambda (n, d) at the points, the normal that of the first side; 0 off Gamma_D and interfaces."""
     disc, facets, dim = solution.disc, solution.disc.facets, solution.disc.mesh.dim
-    facet = facets.boundary[0][sides[0].facets]
+    facet = facets.boundary[0][sides[0].boundaryelements]
     held = np.any([facets.interfaces.piece >= 0, *map(facets.On, disc.problem.dirichlet)], axis=0)
     there, found = held[facet], np.zeros(sides[0].normals.shape)
     if not there.any():

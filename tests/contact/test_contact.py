@@ -163,7 +163,7 @@ def test_contact_points_of_conforming_elements_are_nodes(cells, order):
     assert contact.weights.sum() == pytest.approx(1)
     assert contact.measures == pytest.approx({"tet": 1 / 18, "prism": 1 / 18, "hex": 1 / 9}.get(cells, 1 / 3))
     other = Body(UnitMesh(3, cells), order=order, method=InteriorPenalty()).contact
-    assert np.array_equal(other.members, np.arange(len(other.weights))) and len(other.facets) == len(other.weights)
+    assert np.array_equal(other.members, np.arange(len(other.weights))) and len(other.boundaryelements) == len(other.weights)
 
 
 def Least(disc):

@@ -74,7 +74,8 @@ def Sizes(names, code):
     shape = names["shape"].facets[0] if "facets[0]" in code else names["shape"]
     around = next((names[name] for name in ("patch", "star") if name in code), names["patch"])
     counts = {"group": len(group.elements), "patch": len(around.elements), "star": len(around.elements),
-              "operators": len(around.elements), "side": len(names["side"].rows), "quadrature": len(names["quadrature"].weights),
+              "operators": len(around.elements), "side": len(names["side"].rows),
+              "quadrature": len(names["quadrature"].weights),
               "contact": len(disc.contact.weights), "solution": len(disc.contact.weights)}
     slot = int(names["side"].slots[0]) if "patch" in code else 0
     a, b, dim = group.na, group.nb(slot), disc.mesh.dim

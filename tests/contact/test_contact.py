@@ -204,7 +204,7 @@ def test_shared_points_at_corners_slits_and_ends_of_foundations():
     assert np.sum(np.all(slit.coordinates == (1, 0), axis=1)) == 2
     ring = Body(Ring(1, 0.3), "inner").contact
     inside = ring.weights > 0.2         # all vertices of the arc but its ends
-    assert len(ring.weights) == len(np.unique(ring.facets)) + 1 and np.sum(inside) == len(ring.weights) - 2
+    assert len(ring.weights) == len(np.unique(ring.boundaryelements)) + 1 and np.sum(inside) == len(ring.weights) - 2
     # The mean of the normals of two chords of nearly one length is that of the circle.
     radial = ring.coordinates / np.linalg.norm(ring.coordinates, axis=1)[:, None]
     assert ring.normals[inside] == pytest.approx(-radial[inside], abs=1e-3) and np.abs(ring.normals + radial).max() > 0.1

@@ -1,11 +1,11 @@
-"""The picture of the storeys in contributing.md, from the imports of the package: `python docs/storeys.py` writes it anew."""
+"""What contributing.md tells of the source: the storeys, from the imports, and the contracts: `python docs/storeys.py`."""
 
 import ast
 from pathlib import Path
 
 DOCS = Path(__file__).parent
 PACKAGE = DOCS.parent / "ngdgc"
-BEGIN, END = "<!-- storeys: written by `python docs/storeys.py` -->\n", "<!-- end of storeys -->\n"
+BEGIN, END = "<!-- {}: written by `python docs/storeys.py` -->\n", "<!-- end of {} -->\n"
 
 
 def Storey(path):
@@ -78,10 +78,22 @@ def Picture():
     return "\n".join(lines) + "\n"
 
 
+def Contracts():
+    """The table of the Protocols."""
+    lines = ["| contract | is |", "|---|---|"]
+    for node in ast.parse((PACKAGE / "contracts.py").read_text(encoding="utf-8")).body:
+        if isinstance(node, ast.ClassDef):
+            lines.append(f"| `{node.name}` | {' '.join(ast.get_docstring(node).split(chr(10) * 2)[0].split()).rstrip('.')} |")
+    return "\n".join(lines) + "\n"
+
+
 def Written(page):
-    """A page with the picture as it is now."""
-    before, rest = page.split(BEGIN)
-    return before + BEGIN + "\n" + Picture() + "\n" + END + rest.split(END)[1]
+    """A page with both as they are now."""
+    for name, made in (("storeys", Picture()), ("contracts", Contracts())):
+        begin, end = BEGIN.format(name), END.format(name)
+        before, rest = page.split(begin)
+        page = before + begin + "\n" + made + "\n" + end + rest.split(end)[1]
+    return page
 
 
 if __name__ == "__main__":

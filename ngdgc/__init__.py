@@ -17,7 +17,7 @@ from .solution.solution import ContactSolution
 from .solvers import Contraction, EstimateContraction, MultiStart, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
 from .theory.uniqueness import CheckUniqueness
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 # What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for; and
 # NGSolve's own Solve, which calls disc.Solve.

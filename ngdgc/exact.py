@@ -22,7 +22,7 @@ from .problem.laws import CoulombFriction, FrictionLaw, NormalCompliance, Tresca
 from .problem.materials import HookeMaterial
 from .problem.problem import ContactProblem
 from .tools.calls import ByKeyword
-from .tools.values import Among, Finite, Positive
+from .tools.values import Among, Finite, PositiveNumber
 
 WALLS = {2: "left|right", 3: "back|left|front|right"}      # all but bottom and top
 OBLIQUE = 0.6, 0.8      # direction of the tangential displacement on Gamma_C in 3D: no axis, no diagonal of a mesh
@@ -159,7 +159,7 @@ def WinklerColumn(*, stiffness: float = 100.0, exponent: float = 1, material: Ho
     if not Among(load, ("displacement", "pressure")):
         raise ProblemError(f"load is {load!r}; choose 'displacement' or 'pressure'")
     material, gap = Recipe(material, mu=1000.0, lam=1500.0), Finite(gap, "gap")
-    stiffness, exponent, pressure, height = (Positive(value, name, "it must be a positive number") for name, value in (
+    stiffness, exponent, pressure, height = (PositiveNumber(value, name, "it must be a positive number") for name, value in (
         ("stiffness", stiffness), ("exponent", exponent), ("pressure", pressure), ("height", height)))
     depth = gap + float(np.float64(pressure / stiffness) ** (1 / exponent))
     rate = pressure / (material.lam + 2 * material.mu)
@@ -186,7 +186,7 @@ def SmoothSlip(*, lam: float = 1.0, mu: float = 2.0, stiffness: float = 1.0, exp
     """
     CheckDimension(dim)
     mu, lam = Finite(mu, "mu"), Finite(lam, "lam")
-    stiffness, exponent = (Positive(value, name, "it must be a positive number") for name, value in (
+    stiffness, exponent = (PositiveNumber(value, name, "it must be a positive number") for name, value in (
         ("stiffness", stiffness), ("exponent", exponent)))
     if not (mu > 1 and lam > 0):
         raise ProblemError(f"mu is {mu:g} and lam is {lam:g}; take mu > 1 and lam > 0, else the foundation would pull")

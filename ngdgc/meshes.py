@@ -14,7 +14,7 @@ from .mesh.checks import CheckElements
 from .tools.calls import ByKeyword
 from .tools.memory import CheckCells
 from .tools.names import Meant
-from .tools.values import HIGHEST, Integer, Positive, Reals
+from .tools.values import HIGHEST, Integer, PositiveNumber, Reals
 
 CELLS = ("triangle", "triangle-flipped", "quad")
 BOXCELLS = ("tet", "hex", "prism")
@@ -96,7 +96,7 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
     """
     if not hasattr(shape, "faces") or len(shape.faces) == 0:
         raise ProblemError(f"shape is {shape!r}; give a face or a solid of netgen.occ")
-    maxh = Positive(maxh, "maxh", "give the largest size of an element, a positive number")
+    maxh = PositiveNumber(maxh, "maxh", "give the largest size of an element, a positive number")
     order = Integer(order, "order", f"give the order of the geometry, a positive integer of at most {HIGHEST[2]}",
                     most=HIGHEST[2])
     CheckCells(_Elements(shape, maxh))

@@ -28,7 +28,7 @@ from .problem.laws import CoulombFriction, LawAt, NormalCompliance
 from .problem.materials import HookeMaterial
 from .problem.problem import ContactProblem
 from .tools.calls import ByKeyword
-from .tools.values import Finite, Integer, Vectors, Positive as PositiveNumber
+from .tools.values import Finite, Integer, Vectors, PositiveNumber
 
 SAMPLES = 2001      # points of (0,1) at which traces are held against the law
 ROUNDOFF = 1e-9     # of values that a user's formula and a user's law compute in two ways

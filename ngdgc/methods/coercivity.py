@@ -24,7 +24,7 @@ def Symmetric(matrix):
     return (matrix + matrix.T) / 2
 
 
-class Inverse:
+class SparseInverse:
     """N^-1 for a sparse symmetric positive definite scipy matrix N, by NGSolve's sparse Cholesky factorisation."""
 
     def __init__(self, norm):
@@ -42,7 +42,7 @@ class Inverse:
 def ExtremeEigenvalue(operator, norm, inverse, which):
     """Smallest (which="SA") or largest (which="LA") lambda with B x = lambda N x.
 
-    operator : B, sparse symmetric or a function x -> B x;  norm : N, sparse;  inverse : `Inverse` of N
+    operator : B, sparse symmetric or a function x -> B x;  norm : N, sparse;  inverse : `SparseInverse` of N
 
     Raises ProblemError if Lanczos' method does not converge, as for a B of very different scales.
     """
@@ -70,7 +70,7 @@ def SmallestEigenvalue(matrix, norm, freedofs, held=None):
         free = np.flatnonzero(list(freedofs))
         held = held[free][:, free]
         B, N = B + held, N + held
-    return ExtremeEigenvalue(Symmetric(B), N, Inverse(N), "SA")
+    return ExtremeEigenvalue(Symmetric(B), N, SparseInverse(N), "SA")
 
 
 def _Words(penalty):

@@ -13,7 +13,7 @@ from ..exceptions import ProblemError
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
 from ..tools.parallel import Batched
-from ..tools.values import Among, HIGHEST, Integer, Positive
+from ..tools.values import Among, HIGHEST, Integer, PositiveNumber
 from .blockform import FacetForm
 from .lifting import WeakFacets
 from .penalty import MARGIN, LargestEigenvalues, Penalty
@@ -55,7 +55,7 @@ class DiscontinuousGalerkin:
 
     def __post_init__(self) -> None:
         if not (isinstance(self.penalty, str) and self.penalty == "auto"):
-            object.__setattr__(self, "penalty", Positive(self.penalty, "penalty", "give 'auto' or a positive number"))
+            object.__setattr__(self, "penalty", PositiveNumber(self.penalty, "penalty", "give 'auto' or a positive number"))
         if not Among(self.weighting, (None, "mu", "C")):
             raise ProblemError(f"weighting is {self.weighting!r}; choose 'mu' or 'C'")
         if self.weighting is not None and self.stabilisation == "lifting":

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from .curves import Left, Outline
+from .curves import Left, OutlinePoints
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; the foundation is red as in the paper.
 BLUE, ORANGE, VERMILION, GREEN, RED = "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC3311"
@@ -77,7 +77,7 @@ def _Part(axes):
 
 def Thickness(disc, curve):
     """Of a block behind a curve: a part of the body's extent along the normals, less where it is narrow or would fold."""
-    outline = Outline(disc)
+    outline = OutlinePoints(disc)
     wanted = THICKNESS * np.ptp(outline @ curve.normals.T, axis=0).mean()
     wanted = min(wanted, max(STOUT * curve.s[-1], VISIBLE * np.ptp(outline, axis=0).max()))
     along, turn = np.diff(curve.coordinates, axis=0), np.diff(curve.normals, axis=0)

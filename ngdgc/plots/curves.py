@@ -118,5 +118,5 @@ def SplitByElement(points, values):
     return np.split(values, np.flatnonzero(np.diff(points["nr"])) + 1)
 
 
-def Outline(disc):
+def OutlinePoints(disc):
     return np.concatenate([curve.coordinates for curve in Curves(disc, ".*")])

@@ -11,7 +11,7 @@ from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, PlaneAxes, Thickness
-from .curves import Curves, ElementOutlines, Left, Outline, SplitByElement
+from .curves import Curves, ElementOutlines, Left, OutlinePoints, SplitByElement
 from .solid import SettingSurface
 
 ARROW = 0.12        # length of the longest arrow, relative to the body
@@ -85,7 +85,7 @@ def _DrawMaterials(axes, disc):
     for index, name in enumerate(names):
         if len(names) > 1 and np.any(number == index):
             mine = centres[number == index]
-            axes.text(*mine[cKDTree(Outline(disc)).query(mine)[0].argmax()], name, ha="center", va="center",
+            axes.text(*mine[cKDTree(OutlinePoints(disc)).query(mine)[0].argmax()], name, ha="center", va="center",
                       fontsize=9, style="italic")
 
 
@@ -94,7 +94,7 @@ class _Symbols:
 
     def __init__(self, axes, disc):
         self.axes, self.disc, self.problem = axes, disc, disc.problem
-        self.size = np.ptp(Outline(disc), axis=0).max()
+        self.size = np.ptp(OutlinePoints(disc), axis=0).max()
         largest = max((np.linalg.norm(VectorsAt(value, curve.points, "traction", curve.region), axis=1).max()
                        for region, value in self.problem.traction.items() for curve in Curves(disc, region)), default=0)
         self.arrow = ARROW * self.size / (largest or 1)     # length of arrow per traction

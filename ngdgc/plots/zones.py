@@ -10,7 +10,7 @@ from ..contact.graph import ZONES
 from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .canvas import WIDTH, ZONE_COLOURS, Frame, PlaneAxes, Unconverged
-from .curves import GAP, Along, Curves, Outline
+from .curves import GAP, Along, Curves, OutlinePoints
 from .solid import DrawMap, TangentFrame, TangentLabel
 
 COMB = 0.2      # height of the largest pressure, relative to the body
@@ -34,7 +34,7 @@ def ZonesFigure(solution):
     for curve in Curves(disc, ".*"):
         axes.plot(*curve.coordinates.T, color="#999999", linewidth=1)
     pressure, largest = solution.pressure, solution.pressure.max(initial=0)
-    height = COMB * np.ptp(Outline(disc), axis=0).max() / (largest or 1)
+    height = COMB * np.ptp(OutlinePoints(disc), axis=0).max() / (largest or 1)
     colours = np.array(ZONE_COLOURS)[solution.zones]
     for foundation, *_ in disc.contact.parts:
         start = 0.0

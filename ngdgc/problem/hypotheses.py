@@ -13,7 +13,7 @@ from ..contracts import Compliance, Friction
 from ..data.coefficients import Pointwise
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
-from ..tools.values import Integer, Positive
+from ..tools.values import Integer, PositiveNumber
 from .userlaws import CheckPointwise, Watched
 
 SCALES = np.logspace(-6, 0, 25)     # of penetration, pressure and slip at which derivatives are compared
@@ -181,7 +181,7 @@ def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth
     >>> [round(float(constant), 3) for constant in (report.normal[0], report.friction[0])], report.monotone
     ([100.0, 30.0], True)
     """
-    depth, slip = (Positive(value, name, "give a positive length") for name, value in (("depth", depth), ("slip", slip)))
+    depth, slip = (PositiveNumber(value, name, "give a positive length") for name, value in (("depth", depth), ("slip", slip)))
     npoints = Integer(npoints, "npoints", "give the number of points, a positive integer")
     if Pointwise(compliance) or Pointwise(friction):
         raise ProblemError("the laws have data that are CoefficientFunctions, which have values only at points of a mesh; take "

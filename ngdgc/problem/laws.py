@@ -19,7 +19,7 @@ from ..data.coefficients import CheckNumber, CheckRange, Pointwise, Scalar, Valu
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
 from ..tools.formula import Described
-from ..tools.values import Positive
+from ..tools.values import PositiveNumber
 from .hypotheses import CheckLaws, LawReport
 from .userlaws import Watched
 
@@ -130,7 +130,7 @@ class NormalCompliance(_Ranged, ComplianceLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "exponent", Positive(self.exponent, "exponent", "it must be a positive number"))
+        object.__setattr__(self, "exponent", PositiveNumber(self.exponent, "exponent", "it must be a positive number"))
 
     def Pressure(self, r: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent
@@ -217,7 +217,7 @@ class PowerFriction(_Ranged, FrictionLaw):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "exponent", Positive(self.exponent, "exponent", "it must be a positive number"))
+        object.__setattr__(self, "exponent", PositiveNumber(self.exponent, "exponent", "it must be a positive number"))
 
     def Bound(self, r: Array, p: Array) -> Array:
         return self.stiffness * np.maximum(r, 0) ** self.exponent

@@ -16,20 +16,20 @@ def Tractions(solution):
 
 def Force(solution, region, material=None):
     """The force through a region, (d,); see `ContactSolution.Force`."""
-    on = Facets(solution.disc, region)
+    on = SidesOf(solution.disc, region)
     signs = _Outward(solution.disc, region, on) if material is None else _Side(solution.disc, region, on, material)
     return signs @ solution.facettractions.forces[on]
 
 
-def Traction(solution, region):
+def TractionOn(solution, region):
     """The traction on a region as a CoefficientFunction; see `ContactSolution.Traction`."""
-    Facets(solution.disc, region)
+    SidesOf(solution.disc, region)
     return solution.facettractions.function
 
 
 def Mean(solution, region):
     """The mean displacement of a region, (d,); see `ContactSolution.Mean`."""
-    Facets(solution.disc, region)
+    SidesOf(solution.disc, region)
     return MeanDisplacement(solution.disc, solution.gfu, region)
 
 
@@ -47,7 +47,7 @@ def DisplacementAt(solution, point):
                            "body") from error
 
 
-def Facets(disc, region):
+def SidesOf(disc, region):
     """Numbers of the facets of a boundary region; ProblemError if there are none."""
     Matching(disc.mesh, region, "boundary")
     found = np.flatnonzero(disc.facets.On(region))

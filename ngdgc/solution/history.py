@@ -27,7 +27,7 @@ class Prediction(Step):
 
 
 @dataclass(frozen=True)
-class Rates:
+class ContractionRates:
     """Factors by which an iteration shrinks its error per step, no unit, None where there is none.
 
     predicted : spectral radius of the derivative of the step at the solution; 1 - predicted is at most a tenth too large for

@@ -32,12 +32,12 @@ SCHEMA = {
 }
 
 
-def Plain(value):
+def JsonValue(value):
     """The value in types that JSON has: numbers that are not finite, which it has not, become None."""
     if isinstance(value, dict):
-        return {key: Plain(entry) for key, entry in value.items()}
+        return {key: JsonValue(entry) for key, entry in value.items()}
     if isinstance(value, (list, tuple)):
-        return [Plain(entry) for entry in value]
+        return [JsonValue(entry) for entry in value]
     if isinstance(value, np.generic):
         value = value.item()
     return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -12,9 +12,9 @@ from ..methods.fluxes import Flux
 from ..problem.materials import Strain
 from ..tools.calls import ByKeyword
 from . import archive
-from .forces import DisplacementAt, Force, Mean, Traction, Tractions
-from .history import ObservedRate, Rates
-from .report import Plain, Report, Summary
+from .forces import DisplacementAt, Force, Mean, TractionOn, Tractions
+from .history import ContractionRates, ObservedRate
+from .report import JsonValue, Report, Summary
 from .resultants import ElementImbalance, EquilibriumResidual, GlobalImbalance, Resultants
 
 
@@ -68,8 +68,8 @@ class ContactSolution:
 
     @cached_property
     def rates(self):
-        """`Rates` of the iteration; the prediction costs at most 20 linear solves, and no more than the iteration took."""
-        return Rates(self.Predict and self.Predict(), ObservedRate(self.history))
+        """`ContractionRates`; the prediction costs at most 20 linear solves, and no more than the iteration took."""
+        return ContractionRates(self.Predict and self.Predict(), ObservedRate(self.history))
 
     @property
     def strain(self):
@@ -196,7 +196,7 @@ class ContactSolution:
         Integrate(solution.Traction("left"), mesh, definedon=mesh.Boundaries("left")) is Force("left"), on curved boundaries up
         to quadrature.
         """
-        return Traction(self, region)
+        return TractionOn(self, region)
 
     def Resultants(self):
         """Force and moment of every support, load and foundation, a list of `Resultant`."""
@@ -230,7 +230,7 @@ class ContactSolution:
 
         Numbers that are not finite, which JSON has not, are None.
         """
-        return Plain(Summary(self))
+        return JsonValue(Summary(self))
 
     def Save(self, folder):
         """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle).

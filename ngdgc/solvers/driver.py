@@ -13,7 +13,7 @@ from ..linear.equations import CheckDiscretization
 from ..solution.history import Step
 from ..solution.resultants import BALANCE
 from ..solution.solution import ContactSolution
-from ..tools.values import Integer, Positive
+from ..tools.values import Integer, PositiveNumber
 
 WINDOW = 10         # iterations over which progress is judged
 NOPROGRESS = 0.97   # best value of a window against the best before: 0.997 per iteration
@@ -47,7 +47,7 @@ def Current(disc):
 
 def CheckLimits(solver):
     """The solver's tol and maxiter as a float and an integer; ProblemError if they are none."""
-    for name, value in (("tol", Positive(solver.tol, "tol", "give a number between 0 and 1", below=1)),
+    for name, value in (("tol", PositiveNumber(solver.tol, "tol", "give a number between 0 and 1", below=1)),
                         ("maxiter", Integer(solver.maxiter, "maxiter", "give a positive integer"))):
         object.__setattr__(solver, name, value)
 

@@ -21,7 +21,7 @@ from ..discretization import Discretization
 from ..exceptions import ProblemError
 from ..mesh.checks import CheckSkeleton
 from ..mesh.facets import Threads, VolumePoints
-from ..methods.coercivity import ExtremeEigenvalue, FreePart, Inverse, SmallestEigenvalue, Symmetric
+from ..methods.coercivity import ExtremeEigenvalue, FreePart, SparseInverse, SmallestEigenvalue, Symmetric
 from ..methods.lifting import Lifting
 from ..problem.materials import Strain
 from ..problem.problem import ContactProblem
@@ -69,7 +69,7 @@ def _Pencil(disc):
     free = disc.space.FreeDofs()
     with Threads(disc.mesh):
         norm = FreePart(NormMatrix(disc), free)
-        return FreePart(disc.form.Matrix(), free), norm, Inverse(norm)
+        return FreePart(disc.form.Matrix(), free), norm, SparseInverse(norm)
 
 
 @ByKeyword
@@ -93,7 +93,7 @@ def Coercivity(disc: Discretization) -> float:
     if disc.form.bound < 1 or SmallestEigenvalue(disc.form.Matrix(), disc.form.Norm(), disc.space.FreeDofs()) > 0:
         # The smallest eigenvalue is one end of a long spectrum: of the inverse it is the largest, found in fewer steps.
         with Threads(disc.mesh):
-            inverse = Inverse(matrix)
+            inverse = SparseInverse(matrix)
         return 1 / ExtremeEigenvalue(norm, matrix, inverse, "LA")
     return ExtremeEigenvalue(matrix, norm, inverse, "SA")
 
@@ -122,7 +122,7 @@ def DualNorm(disc: Discretization, functional: Array) -> float:
     functional = Vectors(functional, (disc.space.ndof,), "functional", f"give its {disc.space.ndof} coefficients")
     free = disc.space.FreeDofs()
     with Threads(disc.mesh):
-        inverse = Inverse(FreePart(NormMatrix(disc), free))
+        inverse = SparseInverse(FreePart(NormMatrix(disc), free))
     values = functional[np.flatnonzero(list(free))]
     return float(np.sqrt(max(values @ inverse(values), 0)))
 
@@ -209,7 +209,7 @@ def CriticalPenalty(problem: ContactProblem, method: Any, mesh: Mesh, *, order: 
     slope = doubled - matrix
     safe = _SafePenalty(one, matrix, slope)
     form = matrix + (safe - 1) * slope
-    return float(safe - 1 / ExtremeEigenvalue(slope, form, Inverse(form), "LA"))
+    return float(safe - 1 / ExtremeEigenvalue(slope, form, SparseInverse(form), "LA"))
 
 
 def _SafePenalty(disc, matrix, slope):
@@ -220,6 +220,6 @@ def _SafePenalty(disc, matrix, slope):
     norm = FreePart(disc.form.Norm(), disc.space.FreeDofs())
     for penalty in 4.0 ** np.arange(20):
         energy = norm + (penalty - 1) * slope
-        if ExtremeEigenvalue(matrix + (penalty - 1) * slope, energy, Inverse(energy), "SA") > ENOUGH:
+        if ExtremeEigenvalue(matrix + (penalty - 1) * slope, energy, SparseInverse(energy), "SA") > ENOUGH:
             return penalty
     raise ProblemError(f"{disc.method!r} is not coercive for any penalty up to 4^19; take the other form or a larger liftorder")

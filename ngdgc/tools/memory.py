@@ -27,10 +27,10 @@ CONTROL = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
 GROUPS = ("memory.limit_in_bytes", "memory.usage_in_bytes"), ("memory.max", "memory.current")
 
 
-def Free() -> float:
+def FreeMemory() -> float:
     """Bytes that this process may still take: what is free, and what limits of the process and of its control groups leave.
 
-    >>> Free() > 0
+    >>> FreeMemory() > 0
     True
     """
     return max(0.0, min(psutil.virtual_memory().available, *_OfProcess(), *_OfGroups(*CONTROL)))
@@ -76,7 +76,7 @@ def _Reclaimable(path: Path) -> float:
 def CheckMemory(needed: float, what: str, remedy: str) -> None:
     """Raise ProblemError if something needs more bytes than are free."""
     # Limits are in files, which take longer to read than a small matrix to factorise.
-    free = Free() if needed > TRIFLE else psutil.virtual_memory().available
+    free = FreeMemory() if needed > TRIFLE else psutil.virtual_memory().available
     if needed > free:
         raise ProblemError(f"{what} would take about {needed / GIGABYTE:.3g} GB, and {free / GIGABYTE:.1f} GB are free; "
                            f"take {remedy}a coarser mesh or a lower order")

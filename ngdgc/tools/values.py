@@ -27,7 +27,7 @@ def Number(value):
     return value if type(value) is int else number
 
 
-def Positive(value, name, remedy, *, below=np.inf, least=None):
+def PositiveNumber(value, name, remedy, *, below=np.inf, least=None):
     """The number, 0 < value < `below`, or least <= value; else ProblemError, which ends with the remedy."""
     number = Number(value) if IsNumber(value) else np.nan
     if not ((0 < number) if least is None else (least <= number)) or not number < below:

@@ -22,7 +22,7 @@ from ngdgc.export import Scene
 from ngdgc.tools.formula import Formula
 from ngdgc.meshes import RectangleMesh
 from ngdgc.commands.output import EVERY, FIRST, Progress
-from ngdgc.solution.report import SCHEMA, Plain
+from ngdgc.solution.report import SCHEMA, JsonValue
 from ngdgc.solution.history import Prediction, Step
 
 NUMBER = re.compile(r"iteration +(\d+) ")
@@ -213,7 +213,7 @@ def solution():
 
 
 def test_json_returns_as_it_went(solution):
-    """Types, nesting and every digit; `Plain` is needed, numpy's numbers would be refused or written as NaN."""
+    """Types, nesting and every digit; `JsonValue` is needed, numpy's numbers would be refused or written as NaN."""
     numbers = solution.ToJSON()
     assert json.loads(json.dumps(numbers, allow_nan=False)) == numbers
     assert numbers["elastic_energy"] == solution.energy and numbers["iterations"] == len(solution.history)
@@ -221,7 +221,7 @@ def test_json_returns_as_it_went(solution):
     bare = {"a": np.int64(3), "b": (np.bool_(True), np.float64("nan")), "c": [float("inf"), 0.5]}
     with pytest.raises(TypeError):
         json.dumps(bare)
-    assert json.loads(json.dumps(Plain(bare), allow_nan=False)) == {"a": 3, "b": [True, None], "c": [None, 0.5]}
+    assert json.loads(json.dumps(JsonValue(bare), allow_nan=False)) == {"a": 3, "b": [True, None], "c": [None, 0.5]}
 
 
 def test_a_solution_that_blew_up_is_still_json(solution):

@@ -96,4 +96,4 @@ def test_control_groups_count(tmp_path):
     assert min(memory._OfGroups(tmp_path, listing)) == 60
     Group("memory", 1 << 62, 10, 0, memory.GROUPS[0])
     assert min(memory._OfGroups(tmp_path, listing)) == float("inf")
-    assert list(memory._OfGroups(tmp_path, tmp_path / "none")) == [] and memory.Free() > 0
+    assert list(memory._OfGroups(tmp_path, tmp_path / "none")) == [] and memory.FreeMemory() > 0

@@ -16,7 +16,7 @@ from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, 
 from ngdgc.errors import L2Error
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh
-from ngdgc.tools.values import HIGHEST, Integer, IsNumber, Number, Positive, Reals, Vectors
+from ngdgc.tools.values import HIGHEST, Integer, IsNumber, Number, PositiveNumber, Reals, Vectors
 
 NUMBERS = [Fraction, Decimal, np.float64, np.float32, np.int64, np.array]
 
@@ -63,7 +63,7 @@ def test_conversions_keep_what_they_are_given():
     assert Number(30) == 30 and type(Number(30)) is int and type(Number(Fraction(1, 2))) is float
     assert IsNumber(np.array(3)) and not IsNumber(np.ones(1)) and not IsNumber(np.array(True))
     assert repr(LDG(penalty=30)) == "LDG(penalty=30)" and repr(LDG(penalty=np.float64(30))) == "LDG(penalty=30.0)"
-    assert type(Integer(np.int8(3), "n", "")) is int and Positive(0, "x", "", least=0) == 0
+    assert type(Integer(np.int8(3), "n", "")) is int and PositiveNumber(0, "x", "", least=0) == 0
     assert Vectors([[Fraction(1, 2), 1]], (1, 2), "x", "").tolist() == [[0.5, 1.0]]
     for wrong in (["1", 0], [[1, 2], [3]], [1j, 0], [True, False], [None, 0], [np.nan, 0], 3, {}):
         with pytest.raises(ProblemError, match="x is"):

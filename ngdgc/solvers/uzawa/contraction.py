@@ -11,7 +11,7 @@ from ...discrete.problem import DiscreteProblem
 from ...exceptions import ProblemError
 from ...linear.equations import CheckDiscretization
 from ...tools.calls import ByKeyword
-from ...tools.values import Integer, IsNumber, Number, Positive, Vectors
+from ...tools.values import Integer, IsNumber, Number, PositiveNumber, Vectors
 
 @ByKeyword
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def EstimateContraction(disc: DiscreteProblem, penetration: Array, *, step: floa
     """
     CheckDiscretization(disc)
     contact, maxiter = disc.contact, Integer(maxiter, "maxiter", "give a positive integer")
-    tol = Positive(tol, "tol", "give a number between 0 and 1", below=1)
+    tol = PositiveNumber(tol, "tol", "give a number between 0 and 1", below=1)
     count = len(contact.weights)
     penetration = Vectors(penetration, (count,), "penetration", f"give one number for each of the {count} contact points, such "
                           "as solution.penetration")

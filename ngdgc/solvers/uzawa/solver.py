@@ -14,7 +14,7 @@ from ...problem.hypotheses import BoundDerivatives, SlipFactor
 from ...solution.history import Step
 from ...solution.solution import ContactSolution
 from ...tools.calls import ByKeyword
-from ...tools.values import Among, IsNumber, Positive
+from ...tools.values import Among, IsNumber, PositiveNumber
 from ..driver import CheckLimits, Current, Drive, Iterate
 from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
@@ -94,7 +94,7 @@ class UzawaSolver:
                 raise ProblemError("rho is 'adaptive', which is for normal='implicit' without acceleration: Anderson's needs "
                                    "steps that are all alike; take rho='auto', or change these")
         elif not (isinstance(self.rho, str) and self.rho == "auto"):
-            object.__setattr__(self, "rho", Positive(
+            object.__setattr__(self, "rho", PositiveNumber(
                 self.rho, "rho", "give 'auto', a positive number, or with normal='implicit' 'adaptive'"))
         CheckLimits(self)
 

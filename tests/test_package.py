@@ -203,6 +203,13 @@ def test_modules_are_small(name):
     assert len(SOURCES[name].read_text().splitlines()) <= 300
 
 
+def test_functions_are_short():
+    functions = [(name, node) for name, text in TEXTS.items() for node in ast.walk(ast.parse(text))
+                 if isinstance(node, ast.FunctionDef)]
+    assert len(functions) > 1000
+    assert [f"{name}.{node.name}" for name, node in functions if node.end_lineno - node.lineno >= 50] == []
+
+
 def test_code_is_clean():
     done = subprocess.run([sys.executable, "-m", "ruff", "check", str(ROOT)], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout

@@ -19,7 +19,19 @@ def AddStudies(commands):
     table.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout, with all methods, "
                        "docs/table3.md)")
     table.set_defaults(command=Table3)
+    _AddErrors(commands)
+    survey = commands.add_parser("atlas", help="iterations, applications of an inverse and seconds of all solvers",
+                                 description="All solvers on contact problems that vary stiffness, friction, mesh, order, "
+                                 "method and dimension: tables, figures, and a file of all numbers that grows as they come.")
+    survey.add_argument("--quick", action="store_true", help="a few tiny problems (a quarter of a minute; else ten minutes)")
+    survey.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout docs/atlas.md), with "
+                        "figures in images/ and atlas.csv beside it")
+    survey.add_argument("--out", default="results", help="folder for tables, figures and atlas.csv (default results/)")
+    survey.set_defaults(command=Atlas)
+    _AddSweep(commands)
 
+
+def _AddErrors(commands):
     convergence = commands.add_parser("convergence", help="errors and observed orders on a smooth solution",
                                       description="Errors and observed orders on the smooth solution ngdgc.exact.SmoothSlip:"
                                       " a table, and a figure for each kind of cells.")
@@ -53,17 +65,6 @@ def AddStudies(commands):
                          help="values of Lame's lam, with mu = 2 (default 1 10 ... 1e6)")
     locking.add_argument("--out", default="results", help="folder for table and figure (default results/)")
     locking.set_defaults(command=Locking)
-
-    survey = commands.add_parser("atlas", help="iterations, applications of an inverse and seconds of all solvers",
-                                 description="All solvers on contact problems that vary stiffness, friction, mesh, order, "
-                                 "method and dimension: tables, figures, and a file of all numbers that grows as they come.")
-    survey.add_argument("--quick", action="store_true", help="a few tiny problems (a quarter of a minute; else ten minutes)")
-    survey.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout docs/atlas.md), with "
-                        "figures in images/ and atlas.csv beside it")
-    survey.add_argument("--out", default="results", help="folder for tables, figures and atlas.csv (default results/)")
-    survey.set_defaults(command=Atlas)
-
-    _AddSweep(commands)
 
 
 def _AddSweep(commands):

@@ -56,3 +56,28 @@ def DenseNewton(disc, scale):
                 break
         q, (residual, at) = q + damping * step, tried
     raise RuntimeError(f"no convergence: {np.abs(residual).max():g}")
+
+
+N, DIM = 12, 2
+
+
+class Dense:
+    """S_D as a matrix (n d, n d), a diagonal D, and a count of its products."""
+
+    def __init__(self, matrix):
+        self.matrix, self.count, self.stiffness = matrix, 0, np.zeros(len(matrix))
+
+    def Response(self, s):
+        self.count += 1
+        return (self.matrix @ s.ravel()).reshape(s.shape)
+
+    def Restoring(self, u):
+        return self.stiffness.reshape(u.shape) * u
+
+
+def Compliance(seed=0, rank=None):
+    """A random symmetric S >= 0 that decays like the one of a body."""
+    vectors = np.linalg.qr(np.random.default_rng(seed).standard_normal((N * DIM, N * DIM)))[0]
+    values = 1 / np.arange(1, N * DIM + 1)
+    values[rank or N * DIM:] = 0
+    return vectors * values @ vectors.T

@@ -78,5 +78,5 @@ def pytest_terminal_summary(terminalreporter):
         terminalreporter.section(f"more than {SLOW:g} s of CPU time, and not marked slow")
         for name, seconds in unmarked.items():
             terminalreporter.write_line(f"{seconds:.2f}s {name}")
-    total = sum(report.seconds for report in reports)
-    terminalreporter.write_line(f"CPU time of the tests: {total:.1f} s")
+    if reports:
+        terminalreporter.write_line(f"CPU time of the tests: {sum(report.seconds for report in reports):.1f} s")

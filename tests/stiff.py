@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from conftest import METHODS
+
+from problems import METHODS
 
 from ngdgc import Discretization, NormalCompliance, UzawaSolver
 from ngdgc.cases import example_4_1, example_4_2

@@ -10,18 +10,18 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
-from mistakes_calls import CALLS
-from mistakes_commands import COMMANDS
-from mistakes_data import DATA
-from mistakes_forces import FORCES
-from mistakes_iterations import FAILURES
-from mistakes_laws import LAWS
-from mistakes_meshes import MESHES
-from mistakes_problems import PROBLEMS
-from mistakes_results import RESULTS
-from mistakes_saved import SAVED
-from mistakes_solvers import SOLVERS
-from mistakes_studies import STUDIES
+from mistakes.calls import CALLS
+from mistakes.commands import COMMANDS
+from mistakes.data import DATA
+from mistakes.forces import FORCES
+from mistakes.iterations import FAILURES
+from mistakes.laws import LAWS
+from mistakes.meshes import MESHES
+from mistakes.problems import PROBLEMS
+from mistakes.results import RESULTS
+from mistakes.saved import SAVED
+from mistakes.solvers import SOLVERS
+from mistakes.studies import STUDIES
 
 import ngdgc
 

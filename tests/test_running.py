@@ -1,5 +1,6 @@
 """Few files run in this process, all on the processors; slow tests that are not marked are named."""
 
+import ast
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -70,3 +71,20 @@ def test_the_limit_is_that_of_the_description():
     reports = [SimpleNamespace(nodeid=f"test_a[{case}]", seconds=0.4, keywords={}) for case in range(3)]
     assert running.Unmarked(reports, 1) == {"test_a": pytest.approx(1.2)} and running.Unmarked(reports[:2], 1) == {}
     assert "more than a second" in (ROOT / ".pytest.ini").read_text() and running.SLOW == 1
+
+
+def Borrowed(source):
+    """Test modules that a test module imports from."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.ImportFrom | ast.Import):
+            names = [node.module or ""] if isinstance(node, ast.ImportFrom) else [alias.name for alias in node.names]
+            yield from (name for name in names if name.startswith("test_") or name == "conftest")
+
+
+def test_no_test_needs_the_file_of_another():
+    """What several use stands in modules of its own, so that each file runs alone and none can be found in two folders."""
+    paths = [path for path in (ROOT / "tests").rglob("*.py")]
+    assert [path.name for path in paths if list(Borrowed(path.read_text()))] == [] and len(paths) > 80
+    names = [path.name for path in paths if path.name.startswith("test_")]
+    assert len(names) == len(set(names))
+    assert list(Borrowed("import test_a\nfrom conftest import A\nfrom problems import B")) == ["test_a", "conftest"]

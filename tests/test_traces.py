@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from conftest import Interpolate, Residual, SameZones
+from checks import Interpolate, Residual, SameZones
 from ngsolve import CF, exp, sin, x
 from ngsolve.meshes import MakeStructured3DMesh
 

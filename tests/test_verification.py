@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import METHODS, Interpolate, Residual
+from checks import Interpolate, Residual
 from ngsolve import CF
+from problems import METHODS
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, Discretization, EstimateContraction, InteriorPenalty,
                    ProblemError, SemismoothNewtonSolver, TrescaFriction)

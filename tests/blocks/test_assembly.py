@@ -8,10 +8,10 @@ import tracemalloc
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from conftest import Example
+from bodies import Distorted, Ring
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import VOL, LinearForm, Mesh, ds
-from test_forms import GRADED, Distorted, Ring
+from problems import GRADED, Example
 
 from ngdgc import LDG, BassiEtAl, Discretization, HookeMaterial, InteriorPenalty
 from ngdgc.mesh.facets import Coordinates, Csr, Facets

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import SameZones
+from checks import SameZones
 from dense import DenseNewton
 
 from ngdgc import LDG, Conforming, CoulombFriction, Discretization, InteriorPenalty, UzawaSolver

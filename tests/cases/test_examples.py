@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_uzawa import CASES
+from problems import CASES
 
 from ngdgc import Conforming, Discretization, InteriorPenalty, SemismoothNewtonSolver
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ExitCode
+from checks import ExitCode
 from ngsolve import Integrate
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactSolution, Discretization, InteriorPenalty,

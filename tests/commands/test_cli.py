@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from conftest import ExitCode
+from checks import ExitCode
 
 from ngdgc import Conforming, ContactSolution
 from ngdgc.cases import example_4_1

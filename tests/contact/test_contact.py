@@ -5,12 +5,12 @@ from math import factorial
 
 import numpy as np
 import pytest
-from conftest import METHODS, Example
+from bodies import Plate, Ring
 from netgen.csg import CSGeometry, Pnt, Sphere
 from netgen.occ import Compound, OCCGeometry, WorkPlane, Y
 from ngsolve import QUAD, SEGM, TRIG, VOL, CF, ElementId, GridFunction, Integrate, LinearForm, Mesh, ds, exp, sin, x, y
 from ngsolve.meshes import MakeStructured3DMesh
-from test_forms import Ring
+from problems import METHODS, Example
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, TrescaFriction, UzawaSolver)
@@ -25,14 +25,6 @@ def Ball():
     geometry = CSGeometry()
     geometry.Add(Sphere(Pnt(0, 0, 0), 1).bc("rim"))
     return Mesh(geometry.GenerateMesh(maxh=0.8)).Curve(3)
-
-
-def Plate():
-    """A square with a round hole, whose boundary NGSolve orients into the body."""
-    face = WorkPlane().Rectangle(2, 2).Face() - WorkPlane().Circle(1, 1, 0.4).Face()
-    for edge in face.edges:
-        edge.name = "hole" if 0.5 < edge.center.x < 1.5 and 0.5 < edge.center.y < 1.5 else "outer"
-    return Mesh(OCCGeometry(face, dim=2).GenerateMesh(maxh=0.5)).Curve(3)
 
 
 @cache     # no test changes a mesh

@@ -2,13 +2,13 @@
 
 import numpy as np
 import pytest
-from conftest import Pressed
 from netgen.occ import Circle, MoveTo
 from ngsolve import IfPos, specialcf, x, y
+from problems import Pressed
 
-from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
-                   HookeMaterial, InteriorPenalty, NormalCompliance, NotConvergedError, SemismoothNewtonSolver, Solve,
-                   TrescaFriction, UzawaSolver)
+from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, NormalCompliance, NotConvergedError, SemismoothNewtonSolver, Solve, TrescaFriction,
+                   UzawaSolver)
 from ngdgc.contact.graph import SEPARATION
 from ngdgc.meshes import BoxMesh, RectangleMesh, ShapeMesh
 from ngdgc.plots import ComparisonFigure

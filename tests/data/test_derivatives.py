@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import Example
 from ngsolve import (CF, H1, BoundaryFromVolumeCF, BSpline, CacheCF, GridFunction, IfPos, InnerProduct, Integrate, Norm,
                      NumberSpace, Parameter, VectorH1, VectorL2, VoxelCoefficient, exp, x, y, z)
+from problems import Example
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, ProblemError, Solve)

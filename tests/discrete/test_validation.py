@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from conftest import Example
+from bodies import Tilted
 from netgen.csg import unit_cube
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, BilinearForm, Grad, IfPos, InnerProduct, Mesh, Sym, dx, specialcf, sqrt, x, y
-from test_forms import Tilted
+from problems import Example
 
 from ngdgc import (AnisotropicMaterial, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization,
                    Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver, Solve,
@@ -256,4 +256,3 @@ def test_mesh_helper_refuses_nonsense():
     for arguments in ({"n": 0}, {"n": 2.5}, {"n": 2, "cells": "hexagon"}):
         with pytest.raises(ProblemError, match=f"{list(arguments)[-1]} is"):
             RectangleMesh(**arguments)
-

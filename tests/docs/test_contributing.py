@@ -8,7 +8,7 @@ from collections import Counter
 from itertools import groupby
 from pathlib import Path
 
-from test_package import STOREYS
+from house import STOREYS
 
 import ngdgc
 from ngdgc.cli import Main

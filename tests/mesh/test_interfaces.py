@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from conftest import AddSides
+from bodies import LINE, RING, Crossed, Layers
+from checks import Body
 from netgen.meshing import Element2D
 from ngsolve import CF, Integrate, Mesh, exp, x, y
-from test_forces import Body, Layers, Loaded, Solved
+from problems import Loaded, Solved
 
 from ngdgc import LDG, BassiEtAl, Conforming, InteriorPenalty, ProblemError
 from ngdgc.mesh.facets import Facets
@@ -14,25 +15,6 @@ from ngdgc.mesh.quadrature import BoundaryQuadrature
 
 SEVERAL = [InteriorPenalty(), LDG(), BassiEtAl(form="lifting"), Conforming()]
 NAMES = dict(ids=lambda method: method.name)
-RING = [(2, 2), (3, 2), (4, 2), (4, 3), (4, 4), (3, 4), (2, 4), (2, 3), (2, 2)]
-LINE = [(i, 3) for i in range(7)]
-
-
-def Crossed(paths, cells="triangle", turn=0):
-    """The unit square of 6 by 6 cells with named paths along its grid; with turn the elements are numbered in another order."""
-    mesh = RectangleMesh(6, cells=cells).ngmesh
-    points = np.array([point.p[:2] for point in mesh.Points()])
-    at = {tuple(np.rint(6 * point).astype(int)): number for number, point in enumerate(points)}
-    if turn:
-        elements = mesh.Elements2D().NumPy()["nodes"][:, :3 if cells == "triangle" else 4].astype(np.int32)
-        sides = [(mesh.GetBCName(side.index - 1), [vertex.nr - 1 for vertex in side.vertices]) for side in mesh.Elements1D()]
-        mesh = type(mesh)(dim=2)
-        mesh.AddPoints(points)
-        mesh.AddElements(dim=2, index=mesh.AddRegion("domain", dim=2), data=np.roll(elements, turn, axis=0), base=1)
-        AddSides(mesh, {name: [side for own, side in sides if own == name] for name in dict(sides)})
-    for name, several in paths.items():
-        AddSides(mesh, {name: [(at[a], at[b]) for path in several for a, b in zip(path, path[1:])]})
-    return Mesh(mesh)
 
 
 def Inclusion(cells):

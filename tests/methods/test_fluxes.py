@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import EIGHT, Example
+from bodies import Distorted
 from ngsolve import CF, L2, BilinearForm, GridFunction, Integrate, LinearForm, Parameter, VectorL2, ds, dx, grad, x, y
-from test_forms import GRADED, Distorted
+from problems import EIGHT, GRADED, Example
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, IncompleteInteriorPenalty,
                    InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver, Solve,

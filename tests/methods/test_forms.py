@@ -2,15 +2,14 @@
 
 import numpy as np
 import pytest
-import scipy.linalg
-from conftest import METHODS, AddSides, Example, Interpolate
+from bodies import Distorted, Ring, Tilted
+from checks import Interpolate, Spectrum
 from netgen.geom2d import SplineGeometry
-from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (CF, ConvertOperator, Grad, GridFunction, IfPos, InnerProduct, Integrate, LinearForm, Mesh, ds, sin,
                      specialcf, x, y)
-from ngsolve.meshes import MakeStructured2DMesh
+from problems import GRADED, METHODS, OPEN, ORTHOTROPIC, Example
 
-from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation,
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, Lifting, NormalCompliance, SemismoothNewtonSolver)
 from ngdgc.problem.materials import Strain
 from ngdgc.exact import BodyForce, Traction
@@ -20,34 +19,6 @@ from ngdgc.meshes import RectangleMesh
 from ngdgc.methods.penalty import MARGIN
 from ngdgc.solution.resultants import RigidBasis
 from ngdgc.methods.coercivity import SmallestEigenvalue
-
-OPEN = Foundation("bottom", NormalCompliance(1.0), gap=100.0)
-ORTHOTROPIC = AnisotropicMaterial([[300, 80, 20], [80, 150, -10], [20, -10, 60]])
-GRADED = HookeMaterial(mu=50 * (1 + x + 2 * y), lam=80 * (2 - x * y))
-
-
-def Mixed():
-    """The unit square from two rectangles on the left and two triangles on the right."""
-    mesh = NetgenMesh()
-    mesh.dim = 2
-    mesh.AddPoints(np.array([[0, 0, 0], [0.6, 0, 0], [1, 0, 0], [0, 0.5, 0], [0.6, 0.5, 0], [0, 1, 0], [0.6, 1, 0], [1, 1, 0]],
-                            dtype=float))
-    domain = mesh.AddRegion("domain", dim=2)
-    mesh.AddElements(dim=2, index=domain, data=np.array([[0, 1, 4, 3], [3, 4, 6, 5]], dtype=np.int32), base=0)
-    mesh.AddElements(dim=2, index=domain, data=np.array([[1, 2, 4], [4, 2, 7], [4, 7, 6]], dtype=np.int32), base=0)
-    AddSides(mesh, {"bottom": [[0, 1], [1, 2]], "right": [[2, 7]], "top": [[7, 6], [6, 5]], "left": [[5, 3], [3, 0]]})
-    return Mesh(mesh)
-
-
-def Distorted(cells):
-    """Unstructured triangles, or quadrilaterals that are no parallelograms, or a mixed mesh."""
-    if cells == "mixed":
-        return Mixed()
-    if cells == "quad":
-        return MakeStructured2DMesh(quads=True, nx=3, ny=3, mapping=lambda s, t: (s + 0.1 * t * (1 - t), t * (1 - 0.2 * s)))
-    geometry = SplineGeometry()
-    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"])
-    return Mesh(geometry.GenerateMesh(maxh=0.4))
 
 
 @pytest.mark.parametrize("material", [HookeMaterial(mu=50, lam=80), ORTHOTROPIC, GRADED],
@@ -98,12 +69,6 @@ def test_form_is_symmetric_and_rigid_motions_have_no_strain(method):
         function.vec.FV().NumPy()[:] = motion
         assert Integrate(InnerProduct(Strain(function), Strain(function)), disc.mesh) < 1e-24
         assert Integrate(InnerProduct(Grad(function), Grad(function)), disc.mesh) + abs(motion).max() > 0.1
-
-
-def Spectrum(disc):
-    """Smallest eigenvalue of the form's symmetric part against its energy norm, by a dense computation."""
-    matrix = Csr(disc.form.Matrix()).toarray()
-    return scipy.linalg.eigh((matrix + matrix.T) / 2, Csr(disc.form.Norm()).toarray(), eigvals_only=True)[0]
 
 
 @pytest.mark.parametrize("cells", ["triangle", "quad"])
@@ -176,12 +141,6 @@ def test_stiffer_side_rules_the_penalty_of_an_interface():
     assert weights == pytest.approx([30 * 1000] * on.sum(), rel=1e-12)
 
 
-def Tilted(angle):
-    """A unit square rotated by an angle; sides bottom, right, top, left."""
-    c, s = np.cos(angle), np.sin(angle)
-    return MakeStructured2DMesh(quads=False, nx=3, ny=3, mapping=lambda a, b: (c * a - s * b, s * a + c * b))
-
-
 @pytest.mark.parametrize("angle", [0.0, 0.5, 2.0])
 def test_winkler_column_on_an_incline(angle, method):
     """B1 between inclined rollers, its top pressed down by a roller too: a linear solution in rotated axes."""
@@ -199,17 +158,6 @@ def test_winkler_column_on_an_incline(angle, method):
     lift = {resultant.region: resultant.force for resultant in solution.Resultants()}
     assert lift["bottom"] @ [-np.sin(angle), np.cos(angle)] == pytest.approx(pressure, rel=1e-9)
     assert lift["top"] == pytest.approx(-lift["bottom"], abs=1e-8)
-
-
-def Ring(order, maxh):
-    """Quarter ring 1 < r < 2, its arcs "inner" and "outer", its straight sides "horizontal" and "vertical"."""
-    geometry = SplineGeometry()
-    p = [geometry.AppendPoint(*q) for q in [(1, 0), (2, 0), (2, 2), (0, 2), (0, 1), (1, 1)]]
-    geometry.Append(["line", p[0], p[1]], bc="horizontal")
-    geometry.Append(["spline3", p[1], p[2], p[3]], bc="outer")
-    geometry.Append(["line", p[3], p[4]], bc="vertical")
-    geometry.Append(["spline3", p[4], p[5], p[0]], bc="inner", leftdomain=1, rightdomain=0)
-    return Mesh(geometry.GenerateMesh(maxh=maxh)).Curve(order)
 
 
 @pytest.mark.parametrize("method", [*METHODS, BassiEtAl(form="lifting"), BrezziEtAl(), LDG(), LDG(form="lifting")], ids=repr)

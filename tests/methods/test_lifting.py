@@ -4,29 +4,20 @@ from functools import cache
 
 import numpy as np
 import pytest
-from conftest import ROWS, AddSides, Example, Interpolate
+from bodies import AddSides, Cube, Distorted, Ring
+from checks import Interpolate, Random, Spectrum
 from netgen.geom2d import SplineGeometry
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import (CF, L2, VOL, BilinearForm, ElementId, GridFunction, InnerProduct, LinearForm, MatrixValued, Mesh, VectorL2,
                      ds, dx, specialcf, x, y)
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
-from test_forms import GRADED, Distorted, Ring, Spectrum
+from problems import GRADED, ROWS, Example
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, ContactProblem, Discretization, Foundation, HookeMaterial,
                    IncompleteInteriorPenalty, InteriorPenalty, Lifting, NonsymmetricInteriorPenalty, NormalCompliance,
                    ProblemError, UzawaSolver)
 from ngdgc.mesh.facets import Csr
 from ngdgc.meshes import RectangleMesh
-
-
-def Cube(cells, n=1):
-    return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=n, ny=n, nz=n)
-
-
-def Random(space):
-    function = GridFunction(space)
-    function.vec.FV().NumPy()[:] = np.random.default_rng(3).standard_normal(space.ndof)
-    return function
 
 
 @pytest.mark.parametrize("order, liftorder", [(1, 0), (1, 1), (2, 1), (2, 3)])

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from conftest import EIGHT, ROWS, Example
+from bodies import Cube, Distorted, Ring
+from checks import Spectrum
 from ngsolve import CF, x, y
-from test_forms import GRADED, Distorted, Ring, Spectrum
-from test_lifting import Cube
+from problems import EIGHT, GRADED, ROWS, Example
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
                    IncompleteInteriorPenalty, InteriorPenalty, Lifting, NonsymmetricInteriorPenalty, NormalCompliance,

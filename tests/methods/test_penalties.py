@@ -1,15 +1,15 @@
 """Critical penalties, the promise of the automatic one, lost coercivity, and the study of stability."""
 
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from bodies import Cube, Distorted
+from checks import Spectrum
 from ngsolve import CF, GridFunction, x, y
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
-from test_forms import Distorted, Spectrum
-from test_lifting import Cube
-from test_package import ROOT
-from test_stability import FOUNDATION, Held
+from problems import FOUNDATION, Held
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, HookeMaterial, InteriorPenalty,
                    ProblemError)
@@ -20,6 +20,8 @@ from ngdgc.theory.lemmas import Boundedness, Coercivity, CriticalPenalty, DualNo
 from ngdgc.meshes import RectangleMesh
 from ngdgc.methods.penalty import MARGIN
 from ngdgc.studies.stability import HEAD, ROWS, Markdown, Shapes, Study, Text
+
+DOCS = Path(__file__).parents[2] / "docs"
 
 
 def test_critical_penalty_on_a_mesh_too_large_for_dense_matrices():
@@ -144,7 +146,7 @@ def test_study_holds_the_constants_of_every_method():
 
 
 def test_page_is_what_the_code_computes():
-    page = (ROOT / "docs" / "stability.md").read_text()
+    page = (DOCS / "stability.md").read_text()
     study = Study(example_4_1.Problem("strain"), example_4_1.Mesh(8), order=1)
     tables = [[cell.strip() for cell in line.split("|")[1:-1]] for line in page.splitlines() if line.startswith("| ")]
     for line in Markdown(study)[2:-1]:

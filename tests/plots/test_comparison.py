@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from conftest import Pressed
+from problems import Pressed
 
 from ngdgc import Conforming, InteriorPenalty, ProblemError, UzawaSolver
 from ngdgc.cases import example_4_1, example_4_2

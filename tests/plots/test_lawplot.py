@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import Pressed
 from ngsolve import x
+from problems import Pressed
 
 from ngdgc import ContactSolution, CoulombFriction, Foundation, NormalCompliance, SlipWeakeningFriction
 from ngdgc.contact.graph import Distance

@@ -4,8 +4,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-from conftest import Example
 from ngsolve import x
+from problems import Example
 
 from ngdgc import (CoulombFriction, Discretization, Foundation, FrictionLaw, InteriorPenalty, NonsymmetricInteriorPenalty,
                    NormalCompliance, PowerFriction, ProblemError, SlipWeakeningFriction, TrescaFriction)

@@ -8,15 +8,14 @@ from importlib.metadata import version
 
 import numpy as np
 import pytest
-from conftest import EIGHT
-from mistakes_saved import Edited
+from bodies import Plate, Ring
+from mistakes.saved import Edited
 from netgen.csg import CSGeometry, Pnt
 from netgen.csg import Sphere as Ball
 from netgen.geom2d import SplineGeometry
 from netgen.occ import Circle, OCCGeometry, Sphere
-from ngsolve import CF, BilinearForm, LinearForm, Mesh, Parameter, ds, dx, x, y
-from test_contact import Plate
-from test_forms import Ring
+from ngsolve import CF, BilinearForm, LinearForm, Mesh, Parameter, ds, dx
+from problems import EIGHT, Adjustable, Resting
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, Solve,
@@ -31,31 +30,24 @@ SLIGHT = 1e-4       # relative difference of two problems: 100 times the toleran
 ROUNDOFF = 1e-12    # the same for one problem that is written in two ways
 
 
-def Problem(*, E=1000.0, nu=0.3, k=300.0, exponent=1.0, mu=0.4, gap=0.01, top=-0.03, side=0.002, pull=2.0, weight=-3.0):
-    """Supports, roller, traction, body force, foundation: every datum a number that can be changed a little."""
-    foundation = Foundation("bottom", NormalCompliance(k, exponent), friction=CoulombFriction(mu), gap=gap * x)
-    return ContactProblem(HookeMaterial(E=E, nu=nu), foundation, dirichlet={"top": CF((0.01, top))}, roller={"left": side},
-                          traction={"right": CF((pull * y, 0.5))}, bodyforce=CF((0, weight)))
-
-
 DATA = {"E": 1000.0, "nu": 0.3, "k": 300.0, "exponent": 1.0, "mu": 0.4, "gap": 0.01, "top": -0.03, "side": 0.002, "pull": 2.0,
         "weight": -3.0}
 
 
 @pytest.fixture(scope="module", params=[InteriorPenalty(), Conforming()], ids=repr)
 def kept(request, tmp_path_factory):
-    """A folder with a solution of `Problem()`."""
+    """A folder with a solution of `Adjustable()`."""
     folder = tmp_path_factory.mktemp("kept")
-    Solve(Discretization(Problem(), request.param, RectangleMesh(3), order=2)).Save(folder)
+    Solve(Discretization(Adjustable(), request.param, RectangleMesh(3), order=2)).Save(folder)
     return folder
 
 
 @pytest.mark.parametrize("name", DATA)
 def test_a_slight_difference_makes_another_problem(kept, name):
     with pytest.raises(ProblemError, match="another problem"):
-        ContactSolution.Load(kept, Problem(**{name: DATA[name] * (1 + SLIGHT)}))
+        ContactSolution.Load(kept, Adjustable(**{name: DATA[name] * (1 + SLIGHT)}))
     # Control: a difference of round-off makes none.
-    assert ContactSolution.Load(kept, Problem(**{name: DATA[name] * (1 + ROUNDOFF)})).converged
+    assert ContactSolution.Load(kept, Adjustable(**{name: DATA[name] * (1 + ROUNDOFF)})).converged
 
 
 def test_the_same_problem_may_be_written_in_another_way(tmp_path):
@@ -76,12 +68,12 @@ def test_parameters_are_kept_as_they_were_solved_with(tmp_path):
     """A Parameter that was set anew since is none of the solution's: its values of then are compared, in every datum."""
     for name in ("E", "k", "mu", "gap", "top", "side", "pull", "weight"):
         value = Parameter(DATA[name])
-        solution = Solve(Discretization(Problem(**{name: value}), InteriorPenalty(), RectangleMesh(2)))
+        solution = Solve(Discretization(Adjustable(**{name: value}), InteriorPenalty(), RectangleMesh(2)))
         value.Set(1.5 * DATA[name])
         solution.Save(tmp_path)
-        assert ContactSolution.Load(tmp_path, Problem()).normalforce == pytest.approx(solution.normalforce, rel=1e-12)
+        assert ContactSolution.Load(tmp_path, Adjustable()).normalforce == pytest.approx(solution.normalforce, rel=1e-12)
         with pytest.raises(ProblemError, match="another problem"):
-            ContactSolution.Load(tmp_path, Problem(**{name: value}))
+            ContactSolution.Load(tmp_path, Adjustable(**{name: value}))
 
 
 def test_laws_that_agree_at_the_solution_alone_are_others(tmp_path):
@@ -109,30 +101,30 @@ def test_added_forms_are_given_again(method, tmp_path):
 
     def Pull(space, p=1.0):
         return LinearForm(CF((p, 0)) * space.TestFunction() * dx)
-    disc = Discretization(Problem(), method, RectangleMesh(3), order=2)
+    disc = Discretization(Adjustable(), method, RectangleMesh(3), order=2)
     solution = Solve(disc.Add(Springs(disc.space)).Add(Pull(disc.space)))
     solution.Save(tmp_path)
     for added in ([Springs, Pull], [Pull, Springs], [Springs(disc.space), Pull(disc.space)]):
-        loaded = ContactSolution.Load(tmp_path, Problem(), added=added)
+        loaded = ContactSolution.Load(tmp_path, Adjustable(), added=added)
         assert loaded.normalforce == pytest.approx(solution.normalforce, rel=1e-12)
         assert loaded.GlobalImbalance() < 1e-9
     for added in ([], [Springs], [Pull], [lambda space: Springs(space, 500 * (1 + SLIGHT)), Pull],
                   [Springs, lambda space: Pull(space, 1 + SLIGHT)]):
         with pytest.raises(ProblemError, match="added forms|loads"):
-            ContactSolution.Load(tmp_path, Problem(), added=added)
-    Solve(Discretization(Problem(), method, RectangleMesh(3), order=2)).Save(tmp_path)
+            ContactSolution.Load(tmp_path, Adjustable(), added=added)
+    Solve(Discretization(Adjustable(), method, RectangleMesh(3), order=2)).Save(tmp_path)
     with pytest.raises(ProblemError, match="without added forms; leave them out"):
-        ContactSolution.Load(tmp_path, Problem(), added=[Springs])
+        ContactSolution.Load(tmp_path, Adjustable(), added=[Springs])
 
 
 @pytest.mark.parametrize("method", [*EIGHT, NonsymmetricInteriorPenalty(), InteriorPenalty(penalty=Fraction(61, 2)),
                                     BassiEtAl(liftorder=2), Conforming()], ids=repr)
 def test_method_assembly_and_inverse_are_kept(method, tmp_path):
     inverse = "auto" if isinstance(method, NonsymmetricInteriorPenalty) else "sparsecholesky"
-    disc = Discretization(Problem(), method, RectangleMesh(2), order=2, assembly="skeleton", inverse=inverse)
+    disc = Discretization(Adjustable(), method, RectangleMesh(2), order=2, assembly="skeleton", inverse=inverse)
     solution = Solve(disc)
     solution.Save(tmp_path)
-    loaded = ContactSolution.Load(tmp_path, Problem())
+    loaded = ContactSolution.Load(tmp_path, Adjustable())
     assert (loaded.disc.method, loaded.disc.order, loaded.disc.assembly, loaded.disc.wanted) == (method, 2, "skeleton", inverse)
     # The first line has the arguments, a fraction as the number that it is.
     assert loaded.Report().splitlines()[1:] == solution.Report().splitlines()[1:] and loaded.levels == solution.levels
@@ -189,25 +181,11 @@ MESHES = {"curved": lambda: Disc(3), "spline": lambda: Disc(4, spline=True), "se
           "tiny": Tiny, "solid": lambda: Sphere3(2), "solid second": lambda: Sphere3(second=True), "csg": Solid,
           "hex": lambda: BoxMesh(2, cells="hex"), "prism": lambda: BoxMesh(2, cells="prism"),
           "quad": lambda: RectangleMesh(3, cells="quad"), "names": lambda: Named(RectangleMesh(2), "a (ring)\nof, two | lines")}
-REGIONS = {"hole": "hole", "quarter": "inner|outer", "csg": "rim", "hex": "bottom", "prism": "bottom", "quad": "bottom",
-           "names": r"a .ring.\nof.*"}
-
-
-def Resting(name):
-    """A body that starts 0.01 inside a foundation around it, or under a top that is pressed down."""
-    size, dim = 1e-9 if name == "tiny" else 1, 3 if name.startswith("solid") or name in ("csg", "hex", "prism") else 2
-    flat = name in ("hex", "prism", "quad", "names", "tiny")
-    push = (0.003 * size,) * (dim - 1) + (-0.02 * size,)
-    foundation = Foundation(REGIONS.get(name, "ring"), NormalCompliance(1000 / size), friction=TrescaFriction(1),
-                            gap=-0.01 * size)
-    return ContactProblem(HookeMaterial(E=100, nu=0.3), foundation, dirichlet={"top": push} if flat else None)
-
-
 # A process of its own: NGSolve gives a mesh that it reads the geometry that was made last, which is none here.
 ANEW = """
 import sys
 from ngdgc import ContactSolution
-from test_archive import Resting
+from problems import Resting
 for folder in sys.argv[1:]:
     loaded = ContactSolution.Load(folder, Resting(folder.split("/")[-2]))
     print(repr(loaded.normalforce), repr(float(loaded.points.sum())))

@@ -6,9 +6,9 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import METHODS, Example
+from bodies import Distorted, Ring, Tilted
 from ngsolve import CF, GridFunction, VectorH1, VectorL2, exp, sin, x, y
-from test_forms import ORTHOTROPIC, Distorted, Ring, Tilted
+from problems import METHODS, ORTHOTROPIC, Example
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, SemismoothNewtonSolver, TrescaFriction)

@@ -8,10 +8,9 @@ import sys
 
 import numpy as np
 import pytest
-from conftest import Example
-from mistakes_saved import Edited
+from mistakes.saved import Edited
 from ngsolve import Mesh
-from test_archive import Problem
+from problems import Adjustable, Example
 
 from ngdgc import (LDG, Conforming, ContactSolution, Discretization, InteriorPenalty, NotConvergedError, ProblemError, Solve,
                    UzawaSolver)
@@ -24,9 +23,9 @@ FINDING = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
 
 @pytest.fixture(scope="module", params=[InteriorPenalty(), Conforming()], ids=repr)
 def kept(request, tmp_path_factory):
-    """A folder with a solution of `Problem()`."""
+    """A folder with a solution of `Adjustable()`."""
     folder = tmp_path_factory.mktemp("kept")
-    Solve(Discretization(Problem(), request.param, RectangleMesh(2), order=2)).Save(folder)
+    Solve(Discretization(Adjustable(), request.param, RectangleMesh(2), order=2)).Save(folder)
     return folder
 
 
@@ -35,20 +34,20 @@ def test_a_mesh_whose_digest_is_wrong_is_not_read(kept, tmp_path, monkeypatch):
     read = []
     monkeypatch.setattr(storage, "Mesh", lambda name: read.append(name) or Mesh(name))
     shutil.copytree(kept, tmp_path / "copy")
-    assert ContactSolution.Load(tmp_path / "copy", Problem()).converged and len(read) == 1
+    assert ContactSolution.Load(tmp_path / "copy", Adjustable()).converged and len(read) == 1
     text = tmp_path / "copy" / "solution.json"
     words = json.loads(text.read_text())
     for name in ("mesh.vol.bin", "mesh.vol.gz"):
         digest = words["digests"][name]
         text.write_text(json.dumps({**words, "digests": {**words["digests"], name: digest[::-1]}}))
         with pytest.raises(ProblemError, match=f"is damaged: {name} is not what was saved"):
-            ContactSolution.Load(tmp_path / "copy", Problem())
+            ContactSolution.Load(tmp_path / "copy", Adjustable())
     text.write_text(json.dumps(words))
     RectangleMesh(3).ngmesh.Save(str(tmp_path / "copy" / "mesh.vol.bin"))
     other = RectangleMesh(3, upper=(2, 1))
     other.ngmesh.Save(str(tmp_path / "copy" / "mesh.vol.bin"))
     with pytest.raises(ProblemError, match="is damaged: mesh.vol.bin is not what was saved"):
-        ContactSolution.Load(tmp_path / "copy", Problem())
+        ContactSolution.Load(tmp_path / "copy", Adjustable())
     assert len(read) == 1
 
 
@@ -64,7 +63,7 @@ def Half(folder):
 
 def Dofs(folder):
     """How many dofs the elements of the mesh have, one after the other."""
-    space = ContactSolution.Load(folder, Problem()).disc.space
+    space = ContactSolution.Load(folder, Adjustable()).disc.space
     return sum(len(element.dofs) for element in space.Elements())
 
 
@@ -123,15 +122,15 @@ def test_damaged_folders_are_refused(kept, name, tmp_path):
     """Whatever was edited, also with digests that were made to fit; control: an untouched copy, and one laid out anew, load."""
     folder = tmp_path / "copy"
     shutil.copytree(kept, folder)
-    assert ContactSolution.Load(Edited(folder), Problem()).converged
+    assert ContactSolution.Load(Edited(folder), Adjustable()).converged
     DAMAGE[name](folder)
     with pytest.raises(ProblemError):
-        ContactSolution.Load(folder, Problem())
+        ContactSolution.Load(folder, Adjustable())
 
 
 def test_what_does_not_solve_the_problem_is_refused(kept):
     """Law and balance are verified: a solution whose traction is a tenth too large, or that is not at rest inside, is none."""
-    solution = ContactSolution.Load(kept, Problem())
+    solution = ContactSolution.Load(kept, Adjustable())
     disc, inside = solution.disc, np.diff(solution.disc.contact.trace.tocsc().indptr) == 0
     inside &= np.array(disc.space.FreeDofs())
     arrays = dict(np.load(kept / "fields.npz"))
@@ -162,7 +161,7 @@ def test_an_iterate_is_kept_as_one(tmp_path):
 
 def test_a_save_that_fails_leaves_what_was_there(kept, tmp_path, monkeypatch):
     """The old files, and no others; a folder that was made for it goes."""
-    solution = ContactSolution.Load(kept, Problem())
+    solution = ContactSolution.Load(kept, Adjustable())
     folder = tmp_path / "copy"
     shutil.copytree(kept, folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
@@ -193,9 +192,9 @@ def test_a_save_that_fails_leaves_what_was_there(kept, tmp_path, monkeypatch):
 FULL = """
 import resource, sys
 from ngdgc import *
-from test_archive import Problem
+from problems import Adjustable
 from ngdgc.meshes import RectangleMesh
-solution = Solve(Discretization(Problem(), LDG(), RectangleMesh(16), order=1))
+solution = Solve(Discretization(Adjustable(), LDG(), RectangleMesh(16), order=1))
 for room in map(int, sys.argv[2:]):
     resource.setrlimit(resource.RLIMIT_FSIZE, (room, resource.RLIM_INFINITY))
     try:

@@ -2,12 +2,14 @@
 
 import numpy as np
 import pytest
-from conftest import EIGHT
-from netgen.occ import Box, Circle, Glue, MoveTo, OCCGeometry
-from ngsolve import (CF, BilinearForm, BoundaryFromVolumeCF, Discontinuous, Grad, InnerProduct, Integrate, Mesh, Sym, ds, exp,
+from bodies import Layers, Perforated
+from checks import Body
+from netgen.occ import Circle, MoveTo
+from ngsolve import (CF, BilinearForm, BoundaryFromVolumeCF, Discontinuous, Grad, InnerProduct, Integrate, Sym, ds, exp,
                      specialcf, x, y)
+from problems import EIGHT, Loaded, Solved
 
-from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NonsymmetricInteriorPenalty, NormalCompliance, SemismoothNewtonSolver, Solve)
 from ngdgc.solution.conformingtractions import _Elastic
 from ngdgc.exact import AffinePatch, ExactStrain
@@ -17,54 +19,6 @@ from ngdgc.methods.symbolform import Coefficients
 
 SEVERAL = [InteriorPenalty(), LDG(form="lifting"), Conforming()]
 NAMES = dict(ids=lambda method: method.name)
-
-
-def Layers(dim):
-    """A body of two materials with the interface "mid"; the sides are those of the unit square or cube."""
-    if dim == 2:
-        parts = [MoveTo(0, 0).Rectangle(1, 0.4).Face(), MoveTo(0, 0.4).Rectangle(1, 0.6).Face()]
-        sides = [list(part.edges) for part in parts]
-    else:
-        parts = [Box((0, 0, 0), (1, 1, 0.4)), Box((0, 0, 0.4), (1, 1, 1))]
-        sides = [list(part.faces) for part in parts]
-    for part, own, name in zip(parts, sides, ("soft", "hard")):
-        part.name = name
-        for side in own:
-            at = [side.center.x, side.center.y, side.center.z][:dim]
-            names = {(-1, 0): "bottom", (-1, 1): "top", (-1, 0.4): "mid", (0, 0): "left", (0, 1): "right", (1, 0): "front",
-                     (1, 1): "back"}
-            side.name = next(name for (axis, value), name in names.items() if abs(at[axis] - value) < 1e-9)
-    return Mesh(OCCGeometry(Glue(parts), dim=dim).GenerateMesh(maxh=0.3 if dim == 2 else 0.5))
-
-
-def Perforated():
-    """A plate with a curved hole; on its boundary elements NGSolve's normal points into the body."""
-    plate, hole = MoveTo(0, 0).Rectangle(1, 1).Face(), Circle((0.5, 0.5), 0.2).Face()
-    names = {(0, 0.5): "left", (1, 0.5): "right", (0.5, 0): "bottom", (0.5, 1): "top"}
-    for edge in plate.edges:
-        edge.name = names[round(edge.center.x, 6), round(edge.center.y, 6)]
-    hole.edges.name = "hole"
-    mesh = Mesh(OCCGeometry(plate - hole, dim=2).GenerateMesh(maxh=0.3))
-    mesh.Curve(2)
-    return mesh
-
-
-def Loaded(mesh, **changes):
-    """Supports, a roller, contact with friction, and a body force; the rest of the boundary is free."""
-    dim, solid = mesh.dim, (0.01,) * (mesh.dim - 2)
-    foundation = Foundation("bottom", NormalCompliance(100), friction=CoulombFriction(0.3))
-    data = {"dirichlet": {"top": (0.05, *solid, -0.1), "left": (0.02, *solid, -0.05)}, "roller": {"right": -0.01},
-            "bodyforce": (1, 2, -5)[3 - dim:]}
-    return ContactProblem(HookeMaterial(E=200, nu=0.3), foundation, **(data | changes))
-
-
-def Solved(problem, method, mesh, order=2, assembly="facet"):
-    return SemismoothNewtonSolver(tol=1e-11).Solve(Discretization(problem, method, mesh, order=order, assembly=assembly))
-
-
-def Body(solution, material=".*"):
-    mesh = solution.disc.mesh
-    return np.array(Integrate(solution.disc.problem.bodyforce, mesh, definedon=mesh.Materials(material)))
 
 
 @pytest.mark.parametrize("assembly", ["facet", "skeleton"])

@@ -4,8 +4,8 @@ import json
 
 import numpy as np
 import pytest
-from conftest import Example
-from test_contact import Plate
+from bodies import Plate
+from problems import Example
 
 from ngdgc import (Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
                    HookeMaterial, NormalCompliance, ProblemError, UzawaSolver)

@@ -4,10 +4,11 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from bodies import Layers, Perforated
 from netgen.meshing import Element2D, Element3D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as Netgen
 from ngsolve import CF, Integrate, Mesh
-from test_forces import Layers, Loaded, Perforated, Solved
+from problems import Loaded, Solved
 
 from ngdgc import LDG, Conforming, InteriorPenalty
 from ngdgc.export import WriteContactVTK, WriteVTK

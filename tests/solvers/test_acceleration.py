@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import Example
 from ngsolve import CF
+from problems import Example
 from stiff import EXAMPLES, FAST, IMPLICIT, Stiff
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,

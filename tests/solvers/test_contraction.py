@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from conftest import Example
+from problems import Example
 from stiff import FAST, IMPLICIT, Stiff
 
 from ngdgc import (ContactSolution, CoulombFriction, Discretization, Foundation, InteriorPenalty, NormalCompliance,

@@ -154,5 +154,3 @@ def test_random_problems_have_the_same_solution(number):
 
 def _Fits(sample):
     return sample.words.startswith("3D") and sample.method.discontinuous and sample.n >= 4 and sample.order < 3
-
-

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from conftest import Residual
-from mistakes_data import TwoMaterials
+from checks import Residual
+from mistakes.data import TwoMaterials
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, L2, BilinearForm, GridFunction, IfPos, LinearForm, Mesh, dx, sqrt, x
 

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import METHODS, Example
 from dense import DenseNewton
 from ngsolve import CF, x
+from problems import METHODS, Example
 
 from ngdgc import (BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    NestedNewtonSolver, NormalCompliance, NotConvergedError, PowerFriction, ProblemError,

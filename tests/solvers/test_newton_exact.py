@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import EIGHT, SameZones
+from checks import SameZones
+from problems import EIGHT
 
 from ngdgc import (LDG, Conforming, CoulombFriction, Discretization, InteriorPenalty, NestedNewtonSolver, NormalCompliance,
                    SemismoothNewtonSolver)

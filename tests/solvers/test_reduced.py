@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from test_recycling import DIM, Compliance, Dense, N
+from dense import DIM, Compliance, Dense, N
 
 from ngdgc import Discretization, InteriorPenalty, SemismoothNewtonSolver
 from ngdgc.studies.atlas.solvers import Point

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import Example
 from ngsolve import HEX, QUAD, TET, TRIG, BilinearForm, GridFunction, L2, IntegrationRule, dx, x
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
+from problems import Example
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, SemismoothNewtonSolver, Solve, TrescaFriction, UzawaSolver)

@@ -5,18 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.linalg
-from conftest import METHODS, Example
 from ngsolve import CF, H1, SEGM, GridFunction, IfPos, IntegrationRule, LinearForm, ds, specialcf, x
+from problems import CASES, METHODS, Example
 
-from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, EstimateContraction, Foundation,
-                   HookeMaterial, InteriorPenalty, NormalCompliance, NotConvergedError, ProblemError, SolveInterrupted,
-                   TrescaFriction, UzawaSolver)
+from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, EstimateContraction, Foundation, HookeMaterial,
+                   InteriorPenalty, NormalCompliance, NotConvergedError, ProblemError, SolveInterrupted, TrescaFriction,
+                   UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import RectangleMesh
 from ngdgc.solvers.driver import Iterate, LawResidual
-
-CASES = {"4.1": example_4_1, "4.2": example_4_2}
 
 
 def Softened(case, stiffness, plane="strain"):

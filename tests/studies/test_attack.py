@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import ExitCode
+from checks import ExitCode
 
 from ngdgc import ProblemError, SlipWeakeningFriction
 from ngdgc.theory import lemmas

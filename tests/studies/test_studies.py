@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from conftest import ExitCode
+from checks import ExitCode
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngdgc import LDG, BassiEtAl, Conforming, InteriorPenalty, ProblemError

@@ -7,7 +7,7 @@ from itertools import islice
 
 import numpy as np
 import pytest
-from conftest import ExitCode
+from checks import ExitCode
 from dense import DenseNewton
 
 from ngdgc import ContactSolution, ProblemError, SemismoothNewtonSolver

@@ -6,14 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 import scipy.linalg
-from conftest import Interpolate
+from bodies import Cube, Distorted
+from checks import Interpolate, Random
 from ngsolve import (CF, BilinearForm, ConvertOperator, GridFunction, InnerProduct, Integrate, OuterProduct, Sym, cos, ds, dx,
                      exp, sin, specialcf, x, y, z)
-from test_forms import GRADED, Distorted
-from test_lifting import Cube, Random
+from problems import FOUNDATION, GRADED, Held
 
-from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
-                   InteriorPenalty, Lifting, NormalCompliance)
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, HookeMaterial,
+                   InteriorPenalty, Lifting)
 from ngdgc.theory.consistency import ConsistencyResidual, ConsistencyVector
 from ngdgc.problem.materials import Strain
 from ngdgc.errors import Rates
@@ -26,13 +26,6 @@ from ngdgc.methods.symbolform import Coefficients
 from ngdgc.studies.stability import ROWS
 
 FORMS = ("edge", "lifting")
-FOUNDATION = Foundation("bottom", NormalCompliance(1.0))
-
-
-def Held(dim=2, **material):
-    """A body held on the right."""
-    return ContactProblem(HookeMaterial(**(material or {"mu": 1.0, "lam": 4.0})), FOUNDATION,
-                          dirichlet={"right": CF((0,) * dim)})
 
 
 def SmoothWithRollers(material=GRADED):

@@ -6,8 +6,8 @@ import pickle
 
 import numpy as np
 import pytest
-from conftest import Pressed
 from ngsolve import CF, Parameter, x
+from problems import Pressed
 
 from ngdgc import (LDG, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, NormalCompliance,
                    NotConvergedError, ProblemError, Solve, SolveInterrupted, UzawaSolver)

@@ -6,13 +6,12 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from conftest import Example, Pressed
 from ngsolve import CF, Parameter
+from problems import Example, Pressed
 
 from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization,
-                   EstimateContraction, Foundation, HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance,
-                   PowerFriction, ProblemError, SemismoothNewtonSolver, SlipWeakeningFriction, Solve, TrescaFriction,
-                   UzawaSolver)
+                   EstimateContraction, Foundation, HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance, PowerFriction,
+                   ProblemError, SemismoothNewtonSolver, SlipWeakeningFriction, Solve, TrescaFriction, UzawaSolver)
 from ngdgc.errors import L2Error
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh

@@ -2,10 +2,10 @@
 
 import numpy as np
 import scipy.sparse as sp
-from conftest import Example
 from mistakes import HELD, SOFT, Disc, On
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, Variation, VectorL2, ds, dx, sqrt, x, y
+from problems import Example
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    Lifting, SemismoothNewtonSolver, Solve, UzawaSolver)

@@ -1,10 +1,10 @@
 """Mistakes in the data of a problem, as in `mistakes`: numbers, vectors, regions and materials."""
 
 import numpy as np
-from conftest import Example
 from mistakes import Disc, On
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, CacheCF, Grad, GridFunction, IfPos, Mesh, SurfaceL2, VectorH1, sqrt, x, y
+from problems import Example
 
 from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, CoulombFriction, Discretization, HookeMaterial,
                    NormalCompliance, TrescaFriction)

@@ -1,8 +1,7 @@
 """Mistakes with forces through regions, as in `mistakes`."""
 
+from bodies import LINE, RING, Crossed, Layers
 from mistakes import Disc
-from test_forces import Layers
-from test_interfaces import LINE, RING, Crossed
 
 from ngdgc import Solve
 

@@ -1,11 +1,11 @@
 """What mistakes are made with, and what one is: a function of an empty folder that raises, with culprit | expectation | remedy.
 
-The modules `mistakes_...` have one mistake for every error that the library raises.  `test_errors` makes them all, reads their
+The modules of this folder have one mistake for every error that the library raises.  `test_errors` makes them all, reads their
 messages, and holds the lines that raised against the source.
 """
 
-from conftest import Example
 from ngsolve import CF
+from problems import Example
 
 from ngdgc import (ContactProblem, Discretization, Foundation, FrictionLaw, HookeMaterial, InteriorPenalty,
                    NonsymmetricInteriorPenalty, NormalCompliance, TrescaFriction)

@@ -7,9 +7,9 @@ from unittest.mock import patch
 import numpy as np
 import psutil
 import scipy.sparse as sp
-from conftest import Example
 from mistakes import Block, Disc, Nonsymmetric
 from ngsolve import BilinearForm, dx
+from problems import Example
 
 from ngdgc import Conforming, Discretization, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
 from ngdgc.linear import choice as inverses

@@ -1,9 +1,9 @@
 """Mistakes with solutions, pictured or compared, as in `mistakes`."""
 
 import numpy as np
-from conftest import Example
 from mistakes import Block, Disc
 from ngsolve import CF, Grad, VoxelCoefficient
+from problems import Example
 
 from ngdgc import Solve
 from ngdgc.errors import EnergyError, L2Error, StrainError

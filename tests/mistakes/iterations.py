@@ -2,8 +2,8 @@
 
 from unittest.mock import patch
 
-from conftest import Example
 from ngsolve import CF
+from problems import Example
 
 from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NestedNewtonSolver, NormalCompliance, PowerFriction, SemismoothNewtonSolver, TrescaFriction, UzawaSolver)

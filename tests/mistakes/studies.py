@@ -3,10 +3,10 @@
 from unittest.mock import patch
 
 import numpy as np
-from conftest import Example
 from mistakes import HELD, Disc, Friction, Nonsymmetric, On
 from netgen.occ import Circle
 from ngsolve import CF, x, y
+from problems import Example
 
 from ngdgc import LDG, AnisotropicMaterial, CheckUniqueness, Conforming, ProblemError, Solve, TrescaFriction, meshes
 from ngdgc.studies import accuracy, convergence, locking
@@ -18,7 +18,6 @@ from ngdgc.theory.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh, ShapeMesh
 from ngdgc.studies.sweep import Violation
 from ngdgc.traces import FromTraces, Positive, RigidLimit, ThreeZones
-
 
 
 def Meshed(**failing):

@@ -4,10 +4,10 @@ import hashlib
 import json
 
 import numpy as np
-from conftest import Example
 from mistakes import Disc
 from netgen.occ import Circle, OCCGeometry
 from ngsolve import BilinearForm, GridFunction, Mesh, VectorH1, dx
+from problems import Example
 
 from ngdgc import (Conforming, ContactProblem, ContactSolution, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, Solve, TrescaFriction)

@@ -5,16 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from .tools.calls import ByKeyword
+from .tools.failures import Failure, ProblemError
 
-class ProblemError(ValueError):
-    """Data that define no problem; the message names the argument at fault and the remedy.
-
-    >>> from ngdgc import NormalCompliance
-    >>> NormalCompliance(stiffness=-1)
-    Traceback (most recent call last):
-    ...
-    ngdgc.exceptions.ProblemError: stiffness is -1; it must be at least 0
-    """
+__all__ = ["LastIterate", "NotConvergedError", "ProblemError", "SolveInterrupted"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +35,8 @@ def _Plain(solution):
                        solution.solver)
 
 
-class NotConvergedError(RuntimeError):
+@ByKeyword
+class NotConvergedError(Failure, RuntimeError):
     """An iteration that did not reach its tolerance.  Copies, as processes hand them on, keep plain data, a `LastIterate`.
 
     Attributes
@@ -76,6 +71,7 @@ class NotConvergedError(RuntimeError):
         return type(self), (str(self), _Plain(self.solution), self.contraction)
 
 
+@ByKeyword
 class SolveInterrupted(KeyboardInterrupt):
     """Ctrl-C during an iteration; `solution` is the last iterate, in copies as in those of NotConvergedError."""
 

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from functools import wraps
 from typing import Any, TypeVar
 
-from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from .failures import Failure, ProblemError
 from .kinds import Mistaken, Short
 from .names import Meant
 
@@ -42,7 +42,7 @@ def _Told(function: Any) -> Any:
     def Call(*arguments, **keywords):
         try:
             return function(*arguments, **keywords)
-        except (ProblemError, NotConvergedError):
+        except Failure:
             raise
         except Exception as error:
             if words := _Cause(error, function, arguments, keywords):
@@ -91,7 +91,3 @@ def _Mistake(function: Callable[..., Any], arguments: tuple[Any, ...], keywords:
     missing = [p.name for p in parameters if p.default is p.empty and p.kind not in (p.VAR_POSITIONAL, p.VAR_KEYWORD)
                and p.name not in several and p.name not in keywords]
     return f"{words}: {', '.join(missing)} missing; give {', '.join(f'{name}=...' for name in missing)}"
-
-
-for one in (NotConvergedError, SolveInterrupted):     # their module is imported by this one
-    ByKeyword(one)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import psutil
 
-from ..exceptions import ProblemError
+from .failures import ProblemError
 
 try:
     import resource

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from difflib import get_close_matches
 
-from ..exceptions import ProblemError
+from .failures import ProblemError
 
 
 def Meant(name: str, known: Iterable[str]) -> str:

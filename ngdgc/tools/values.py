@@ -5,7 +5,7 @@ from numbers import Integral, Real
 
 import numpy as np
 
-from ..exceptions import ProblemError
+from .failures import ProblemError
 
 
 HIGHEST = {2: 8, 3: 6}      # order of displacements and liftings up to which the tests go, by dimension

@@ -14,9 +14,7 @@ from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..exceptions import ProblemError
 from ..mesh.quadrature import BoundaryQuadrature
-from ..problem.hypotheses import CheckCompliance, CheckFriction, SlipFactor
-from ..problem.laws import LawAt
-from ..problem.userlaws import CheckFinite
+from .parts import CheckFinite, ContactPart, OverParts
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
 CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
@@ -43,7 +41,7 @@ class ContactBoundary:
     measures : (n,) of the facet, or the mean of several [length^(d-1)]
     trace : sparse (n d, ndof), row p d + i gives component i of u_h at point p
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
-    parts : list of (foundation, slice of its points, compliance law, friction law), the laws with their data at the points
+    parts : list of `ContactPart`, one for each foundation, in the order of the points
     """
 
     def __init__(self, problem, facets, space, scalar, rules):
@@ -68,15 +66,9 @@ class ContactBoundary:
         self.parts = []
         for number, foundation in enumerate(problem.foundation):
             here = slice(*np.searchsorted(owner, [number, number + 1]))
-            name, region = f"foundation {foundation.boundary!r}: ", facets.mesh.Boundaries(foundation.boundary)
-            self.gap[here] = ValuesAt(foundation.gap, points[here], name + "gap", region)
-            compliance = LawAt(foundation.compliance, points[here], name, region)
-            CheckCompliance(compliance, len(points[here]), name[:-2])
-            friction = foundation.friction and LawAt(foundation.friction, points[here], name, region)
-            if friction is not None:
-                r = np.ones(len(points[here]))
-                CheckFriction(friction, r, compliance.Pressure(r), name[:-2])
-            self.parts.append((foundation, here, compliance, friction))
+            region = facets.mesh.Boundaries(foundation.boundary)
+            self.gap[here] = ValuesAt(foundation.gap, points[here], f"foundation {foundation.boundary!r}: gap", region)
+            self.parts.append(ContactPart.On(foundation, here, points[here], region))
 
     @property
     def dim(self):
@@ -100,33 +92,25 @@ class ContactBoundary:
 
     def Pressure(self, r: Array) -> Array:
         """p_n(r), (n,) [stress]."""
-        return self._Laws("Pressure", r, lambda here, compliance, friction: compliance.Pressure(r[here]))
+        return self._Finite("Pressure", OverParts(self.parts, ContactPart.Pressure, r), r)
 
     def PressureDerivative(self, r: Array) -> Array:
         """p_n'(r), (n,) [stress/length]."""
-        return self._Laws("PressureDerivative", r, lambda here, compliance, friction: compliance.PressureDerivative(r[here]))
+        return self._Finite("PressureDerivative", OverParts(self.parts, ContactPart.PressureDerivative, r), r)
 
     def Bound(self, r: Array, slip: Array) -> Array:
         """p_t from penetration and slip |u_t|, (n,) [stress]; zero where there is no friction law."""
         # One after the other, so that the one that is not finite is the one that is named.
-        pressure = self.Pressure(r)
-
-        def OfPart(here, compliance, friction):
-            return 0 if friction is None else friction.Bound(r[here], pressure[here])
-
-        def Factor(here, compliance, friction):
-            return 1 if friction is None else SlipFactor(friction, slip[here])[0]
-        return self._Laws("Bound", r, OfPart) * self._Laws("Coefficient", slip, Factor, "slip")
+        bound = self._Finite("Bound", OverParts(self.parts, ContactPart.Bound, r, self.Pressure(r)), r)
+        factor, _ = OverParts(self.parts, ContactPart.SlipFactor, slip)
+        return bound * self._Finite("Coefficient", factor, slip, "slip")
 
     def Slip(self, displacement: Array) -> Array:
         """|u_t|, (n,) [length]."""
         return np.linalg.norm(self.Tangential(displacement), axis=1)
 
-    def _Laws(self, method, at, evaluate, word="penetration"):
-        values = np.empty(len(self.weights))
-        for _, here, compliance, friction in self.parts:
-            values[here] = evaluate(here, compliance, friction)
-        CheckFinite(self, method, values, at, word)
+    def _Finite(self, method, values, at, word="penetration"):
+        CheckFinite(self.parts, method, values, at, word)
         return values
 
     def TraceProjection(self, traction: Array) -> Array:

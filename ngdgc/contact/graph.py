@@ -18,14 +18,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..exceptions import ProblemError
-from ..problem.hypotheses import BoundDerivatives, SlipFactor
-from ..problem.userlaws import CheckFinite, LawName
+from .parts import CheckFinite, ContactPart, OverParts
+from .resolvent import Share
 
 SEPARATION, STICK, SLIP = 0, 1, 2
 ZONES = ("separation", "stick", "slip")
-STEPS = 200     # of the safeguarded iteration for one scalar equation; bisection alone needs 60
 LEAST = 1e-3    # scale of friction, relative to the tractions
-MISSED = 1e-9   # of the scalar equation, relative: more is no round-off, its value jumps
 
 
 @dataclass(frozen=True)
@@ -55,22 +53,14 @@ class ContactGraph:
         contact, scale, normals = self.contact, self.scale, self.contact.normals
         qn = contact.Normal(q)
         qt = q - qn[:, None] * normals
-        r, p, dr, dp = (np.empty(len(scale)) for _ in range(4))
-        base, dbase, bound, slip, along, cross = (np.zeros(len(scale)) for _ in range(6))
         length = np.linalg.norm(qt, axis=1)
-        for _, here, compliance, friction in contact.parts:
-            gamma = scale[here]
-            r[here], p[here], slope = NormalPart(compliance, gamma, qn[here] - gamma * contact.gap[here])
-            dr[here], dp[here] = 1 / (gamma + slope), Share(slope, gamma)
-            if friction is None:
-                slip[here] = length[here] / gamma
-                continue
-            base[here] = friction.Bound(r[here], p[here])
-            byr, byp = BoundDerivatives(friction, r[here], p[here])
-            slip[here], factor, slope = SlipPart(friction, gamma, base[here], length[here])
-            bound[here] = base[here] * factor
-            dbase[here] = byr * dr[here] + byp * dp[here]
-            along[here], cross[here] = Share(slope, gamma), dbase[here] * factor / (gamma + slope)
+        r, p, slope = OverParts(contact.parts, ContactPart.NormalPoint, scale, qn - scale * contact.gap)
+        dr, dp = 1 / (scale + slope), Share(slope, scale)
+        base = OverParts(contact.parts, ContactPart.Bound, r, p)
+        byr, byp = OverParts(contact.parts, ContactPart.BoundDerivatives, r, p)
+        slip, factor, slope = OverParts(contact.parts, ContactPart.SlipPoint, scale, base, length)
+        bound, dbase = base * factor, byr * dr + byp * dp
+        along, cross = Share(slope, scale), dbase * factor / (scale + slope)
         sliding = length >= bound
         direction = qt / np.where(length > 0, length, 1)[:, None]
         friction = np.where(sliding, bound, length)
@@ -101,7 +91,7 @@ class ContactGraph:
         sought = (self.contact.Normal(q) / self.scale) - self.contact.gap       # of a law that is finite nowhere
         for method, found in values.items():
             where = (slip, "slip") if method == "Coefficient" else (np.where(np.isfinite(r), r, sought), "penetration")
-            CheckFinite(self.contact, method, found, *where)
+            CheckFinite(self.contact.parts, method, found, *where)
 
 
 @dataclass(frozen=True)
@@ -143,25 +133,19 @@ def Distance(contact, displacement, traction):
     r, t = contact.Penetration(displacement), contact.Normal(traction)
     slip, friction = contact.Tangential(displacement), contact.Tangential(traction)
     gamma = np.full(len(r), tscale / uscale)
-    depth, pressure, bound, distance = (np.zeros(len(r)) for _ in range(4))
-    for _, here, compliance, law in contact.parts:
-        depth[here], pressure[here], _ = NormalPart(compliance, gamma[here], t[here] + gamma[here] * r[here])
-        above = compliance.Pressure(r[here])
-        straight = np.abs(t[here] - above) < gamma[here] * np.abs(r[here] - depth[here])
-        distance[here] = np.where(straight, np.abs(t[here] - above) / gamma[here], np.abs(r[here] - depth[here])) / uscale
-        depth[here], pressure[here] = np.where(straight, (r[here], above), (depth[here], pressure[here]))
-        if law is not None:
-            bound[here] = law.Bound(depth[here], pressure[here])
+    depth, pressure, _ = OverParts(contact.parts, ContactPart.NormalPoint, gamma, t + gamma * r)
+    above = OverParts(contact.parts, ContactPart.Pressure, r)
+    straight = np.abs(t - above) < gamma * np.abs(r - depth)
+    distance = np.where(straight, np.abs(t - above) / gamma, np.abs(r - depth)) / uscale
+    depth, pressure = np.where(straight, (r, above), (depth, pressure))
+    bound = OverParts(contact.parts, ContactPart.Bound, depth, pressure)
     # Below a part LEAST of the tractions the scale would be that of their round-off.
     gamma = np.full(len(r), (max(bound.max(initial=0), LEAST * tscale) if np.any(bound) else tscale) / uscale)
     q = friction + gamma[:, None] * slip
     length = np.linalg.norm(q, axis=1)
-    creep, limit, above, slid = length / gamma, np.zeros(len(r)), np.zeros(len(r)), np.linalg.norm(slip, axis=1)
-    for _, here, _, law in contact.parts:
-        if law is not None:
-            creep[here], factor, _ = SlipPart(law, gamma[here], bound[here], length[here])
-            limit[here] = bound[here] * factor
-            above[here] = bound[here] * SlipFactor(law, slid[here])[0]
+    slid = np.linalg.norm(slip, axis=1)
+    creep, factor, _ = OverParts(contact.parts, ContactPart.SlipPoint, gamma, bound, length)
+    limit, above = bound * factor, bound * OverParts(contact.parts, ContactPart.SlipFactor, slid)[0]
     sliding = length >= limit
     expected = np.where(sliding, creep, 0)[:, None] * q / np.where(length > 0, length, 1)[:, None]
     along = np.linalg.norm(slip - expected, axis=1)
@@ -189,77 +173,5 @@ def CheckEnds(contact, displacement, traction):
     gamma = np.full(len(contact.weights), tscale / uscale)
     q = contact.Normal(traction) + gamma * contact.Penetration(displacement)
     length = np.linalg.norm(contact.Tangential(traction + gamma[:, None] * displacement), axis=1)
-    for _, here, compliance, friction in contact.parts:
-        _RaiseWhere(f"{LawName(compliance)}.Pressure", "penetration", *Resolvent(
-            compliance.Pressure, compliance.PressureDerivative, gamma[here], q[here]))
-        if friction is not None:
-            base = friction.Bound(*NormalPart(compliance, gamma[here], q[here])[:2])
-            _RaiseWhere(f"{LawName(friction)}.Coefficient", "slip", *_Slip(friction, gamma[here], base, length[here]))
-
-
-def _RaiseWhere(method, word, values, ended):
-    if np.any(ended):
-        raise ProblemError(f"{method} is not finite beyond {word} {values[ended].min():.6g}, and more would be needed: the law "
-                           f"ends there; give it values for larger {word}s, or make the loads smaller")
-
-
-def NormalPart(law, gamma, q):
-    """(r, p, p_n'(r)) with p = p_n(r) and p + gamma r = q, arrays (n,); where the law has ended, a rigid wall."""
-    r, ended = Resolvent(law.Pressure, law.PressureDerivative, gamma, q)
-    with np.errstate(all="ignore"):
-        slope = np.where(r > 0, law.PressureDerivative(np.where(r > 0, r, 0)), 0)
-        slope = np.where(ended, np.inf, slope)
-        # Where the law is stiff p_n(r) would multiply the round-off of r by p_n'.
-        p = np.where(r > 0, np.where(slope < gamma, law.Pressure(r), q - gamma * r), 0)
-        return r, p, slope
-
-
-def Share(slope, gamma):
-    """slope/(gamma + slope), the share of q that is traction, also for a slope that is infinite: nothing cancels."""
-    with np.errstate(divide="ignore"):
-        return 1 / (1 + gamma / slope)
-
-
-def SlipPart(law, gamma, base, length):
-    """(s, factor, d(base factor)/ds) with base factor(s) + gamma s = length where length > base factor(0), else s = 0."""
-    slip, ended = _Slip(law, gamma, base, length)
-    factor, slope = SlipFactor(law, slip)
-    if np.any(ended):
-        return slip, np.where(ended, (length - gamma * slip) / base, factor), np.where(ended, np.inf, base * slope)
-    return slip, factor, base * slope
-
-
-def _Slip(law, gamma, base, length):
-    """`Resolvent` of the friction at points with these bounds without slip."""
-    return Resolvent(lambda s: base * SlipFactor(law, s)[0], lambda s: base * SlipFactor(law, s)[1], gamma, length)
-
-
-def Resolvent(Value, Derivative, gamma, q):
-    """(x, ended): x >= 0 with Value(x) + gamma x = q where q > Value(0), else min(q, 0)/gamma.
-
-    By Newton's iteration inside a bracket.  Arguments and results are arrays (n,); Value >= 0.  A value that is not finite
-    counts as too large: a law may end somewhere.
-    Where that decides, x is the last point at which Value is finite, and `ended` True.  Finite nowhere gives nan.
-    """
-    start = np.zeros_like(q)
-    with np.errstate(all="ignore"):
-        free = ~(q <= Value(start))
-        low, high = start, np.maximum(q, 0) / gamma
-        x = high.copy()
-        for _ in range(STEPS):
-            excess = Value(x) + gamma * x - q
-            low, high = np.where(excess <= 0, x, low), np.where(excess <= 0, high, x)
-            new = x - excess / (gamma + Derivative(x))
-            new = np.where((new > low) & (new < high), new, 0.5 * (low + high))
-            # A Newton step that leaves the bracket by round-off has converged.
-            done = (np.abs(excess) <= 4e-16 * q) | (high - low <= 4e-16 * high) | ~free
-            if np.all(done):
-                break
-            x = np.where(done, x, new)
-        else:
-            excess = Value(x) + gamma * x - q
-        ended = free & ~(np.abs(excess) <= MISSED * q)
-        if np.any(ended):
-            ended &= ~np.isfinite(Value(high))
-            x = np.where(np.isfinite(excess), x, np.where(low > 0, low, np.nan))
-    return np.where(free, x, np.minimum(q, 0) / gamma), ended
+    for part in contact.parts:
+        part.CheckEnds(gamma[part.points], q[part.points], length[part.points])

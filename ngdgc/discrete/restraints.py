@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from ngsolve import CF, L2, GridFunction
 
+from ..contact.parts import ContactPart, OverParts
 from ..exceptions import ProblemError
 from ..mesh.facets import Projected, RigidMotions, RigidMotionsAt
 from ..mesh.quadrature import BoundaryQuadrature
@@ -82,14 +83,12 @@ def Supports(problem, facets, contact):
 def _Resistance(facets, contact):
     """(pressure, friction): True where the law gives one at some depth up to the size of the body, over contact points."""
     pressed, rubbed = np.zeros((2, len(contact.weights)), dtype=bool)
-    for _, here, compliance, friction in contact.parts:
-        for depth in _Centres(facets)[1] * DEPTHS:
-            r = np.full(here.stop - here.start, depth)
-            with np.errstate(all="ignore"):     # a law may end at some penetration
-                pressure = compliance.Pressure(r)
-                pressed[here] |= pressure > 0
-                if friction is not None:
-                    rubbed[here] |= friction.Bound(r, pressure) > 0
+    for depth in _Centres(facets)[1] * DEPTHS:
+        r = np.full(len(contact.weights), depth)
+        with np.errstate(all="ignore"):     # a law may end at some penetration
+            pressure = OverParts(contact.parts, ContactPart.Pressure, r)
+            pressed |= pressure > 0
+            rubbed |= OverParts(contact.parts, ContactPart.Bound, r, pressure) > 0
     return pressed, rubbed
 
 

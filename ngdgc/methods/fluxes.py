@@ -52,8 +52,9 @@ def _AddContact(disc, operators, traction, values):
     """Subtract the traction t (n, d) of the contact points, as coefficients in F_h, from the values on Gamma_C."""
     contact, dim = disc.contact, disc.mesh.dim
     facets = disc.facets.boundary[0][contact.boundaryelements]
-    for foundation, here, _, _ in contact.parts:
-        for patch in operators.FacetPatches(disc.facets.On(foundation.boundary), weak=False):
+    for part in contact.parts:
+        here = part.points
+        for patch in operators.FacetPatches(disc.facets.On(part.foundation.boundary), weak=False):
             side, dofs = patch.sides[0], operators.FacetDofs(patch.facets)
             traces, inverse = operators.tracevalues(side), operators.inversemass(side)
             for row, facet in enumerate(patch.facets):

@@ -45,7 +45,7 @@ def ComparisonFigure(solutions, *, scale=1):
 
 
 def _Kind(solution):
-    return solution.disc.mesh.dim, *(foundation.boundary for foundation, *_ in solution.disc.contact.parts)
+    return solution.disc.mesh.dim, *(part.foundation.boundary for part in solution.disc.contact.parts)
 
 
 def _Curves(solutions, scale):
@@ -60,13 +60,13 @@ def _Curves(solutions, scale):
         style = {"color": colour, "linestyle": line, "marker": mark, "linewidth": 1.2, "markersize": 4, "fillstyle": "none"}
         handles.append(Line2D([], [], label=label + Unconverged(solution), **style))
         friction = np.sum(solution.friction * Left(solution.normals), axis=1)
-        for column, (foundation, *_) in zip(grid.T, parts):
-            for s, numbers, _ in Along(solution.disc, foundation.boundary):
+        for column, part in zip(grid.T, parts):
+            for s, numbers, _ in Along(solution.disc, part.foundation.boundary):
                 style |= {"marker": mark if len(s) <= FEW else ""}
                 column[0].plot(s, solution.pressure[numbers], **style)
                 column[1].plot(s, friction[numbers], **style)
-    for column, (foundation, *_) in zip(grid.T, parts):
-        Panel(column[0], title=f"foundation of {foundation.boundary!r}").title.set_fontsize(10)
+    for column, part in zip(grid.T, parts):
+        Panel(column[0], title=f"foundation of {part.foundation.boundary!r}").title.set_fontsize(10)
         Panel(column[1], xlabel="s [length]").axhline(0, color="#999999", linewidth=0.8, zorder=0)
     for axes in grid[:, 0]:
         HideNoise(axes, solutions.values())
@@ -97,13 +97,14 @@ def _Maps(solutions):
     parts = next(iter(solutions.values())).disc.contact.parts
     figure = Figure(figsize=(WIDTH, 2.5 * len(solutions) + 0.5), layout="constrained")
     grid = figure.subplots(len(solutions), len(parts), squeeze=False, sharex="col", sharey="col")
-    largest = [max(solution.pressure[solution.disc.contact.parts[number][1]].max() for solution in solutions.values())
+    largest = [max(solution.pressure[solution.disc.contact.parts[number].points].max() for solution in solutions.values())
                for number in range(len(parts))]
     for row, (label, solution) in zip(grid, solutions.items()):
-        for axes, top, (foundation, here, *_) in zip(row, largest, solution.disc.contact.parts):
-            frame = np.array(TangentFrame(solution.normals[here].mean(axis=0)))
-            drawn = DrawMap(axes, solution, here, frame, array=solution.pressure, clim=(0, top), cmap="viridis", gid="pressure")
+        for axes, top, part in zip(row, largest, solution.disc.contact.parts):
+            frame = np.array(TangentFrame(solution.normals[part.points].mean(axis=0)))
+            drawn = DrawMap(axes, solution, part.points, frame, array=solution.pressure, clim=(0, top), cmap="viridis",
+                            gid="pressure")
             axes.set(xlabel=TangentLabel(frame[0]), ylabel=TangentLabel(frame[1]))
-            axes.set_title(f"{label}{Unconverged(solution)}, {foundation.boundary!r}", fontsize=10)
+            axes.set_title(f"{label}{Unconverged(solution)}, {part.foundation.boundary!r}", fontsize=10)
             figure.colorbar(drawn, ax=axes, label="pressure $p_n$\n[stress]")
     return figure

@@ -33,8 +33,8 @@ def ContactFigure(solution, *, slip=False):
                            height_ratios=[1] * len(rows) + [0.15])
     values = {"p": solution.pressure, "t": np.sum(solution.friction * tangent, axis=1),
               "u": np.sum(solution.slip * tangent, axis=1), "r": solution.penetration}
-    for column, (foundation, *_) in zip(grid.T, contact.parts):
-        pieces = list(Along(disc, foundation.boundary))
+    for column, part in zip(grid.T, contact.parts):
+        pieces = list(Along(disc, part.foundation.boundary))
         panels = dict(zip(rows, column))
         for s, numbers, _ in pieces:
             mark = {"marker": "o", "markersize": 3} if len(s) <= 100 else {}
@@ -45,7 +45,7 @@ def ContactFigure(solution, *, slip=False):
         _DrawZones(column[-1], pieces, solution.zones)
         for name in "pt":
             HideNoise(panels[name], [solution])
-        _DressContact(column, panels, foundation, pieces)
+        _DressContact(column, panels, part.foundation, pieces)
     figure.align_ylabels(grid[:-1])
     handles = [Line2D([], [], linestyle="--", color="#444444", linewidth=1, label="bounds $\\pm p_t$ of friction")]
     handles += [Patch(color=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)]

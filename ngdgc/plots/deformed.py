@@ -28,7 +28,7 @@ def DeformedFigure(solution, *, scale=1):
     if disc.mesh.dim == 3:
         return DeformedSurface(solution, scale)
     _, axes = PlaneAxes()
-    for foundation, *_ in contact.parts:
+    for foundation in (part.foundation for part in contact.parts):
         for curve in Curves(disc, foundation.boundary):
             mine = np.unique(contact.members[np.isin(contact.boundaryelements, curve.points["nr"])])
             moved = (contact.coordinates + scale * solution.displacement)[mine]

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..contact.graph import LEAST, ContactGraph, Distance, Scales
-from ..problem.hypotheses import SlipFactor
+from ..contact.parts import ContactPart, OverParts
 from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
@@ -41,8 +41,8 @@ def LawFigure(solution):
     _DrawTangential(right, solution, graph, off, LEAST * tscale)
     verdict = f"{off.sum()} of {len(off)} points off the law" if np.any(off) else f"all {len(off)} points on the law"
     figure.suptitle(f"{verdict}, largest distance {distance.max(initial=0):.1e}{Unconverged(solution)}", fontsize=10)
-    handles = [Line2D([], [], color=colour, marker="o", markersize=4, linestyle="none", label=foundation.boundary)
-               for (foundation, *_), colour in zip(contact.parts, _Colours(contact))]
+    handles = [Line2D([], [], color=colour, marker="o", markersize=4, linestyle="none", label=part.foundation.boundary)
+               for part, colour in zip(contact.parts, _Colours(contact))]
     handles.append(Line2D([], [], color=LAW, linewidth=3, label="law"))
     if np.any(off):
         handles.append(Line2D([], [], color=VERMILION, marker="x", label="off the law"))
@@ -58,11 +58,10 @@ def _DrawNormal(axes, solution, graph, off):
     contact, r = solution.disc.contact, solution.penetration
     p = contact.Normal(solution.traction)       # `pressure` is 0 where the law is, even where the traction is not
     deepest, widest = max(r.max(initial=0), 0), max(-r.min(initial=0), 0)
-    for (_, here, compliance, _), colour in zip(contact.parts, _Colours(contact)):
+    for part, colour in zip(contact.parts, _Colours(contact)):
         # Finer near 0, where laws with a small exponent rise at once.
         depths = deepest * np.linspace(0, 1, SAMPLES)**2
-        values = np.array([np.broadcast_to(compliance.Pressure(np.full_like(r[here], depth)), r[here].shape)
-                           for depth in depths])
+        values = np.array([part.Pressure(np.full_like(r[part.points], depth)) for depth in depths])
         low, high = values.min(axis=1, initial=np.inf), values.max(axis=1, initial=0)
         if np.allclose(low, high, rtol=1e-9, atol=0):
             axes.plot(depths, high, color=LAW, linewidth=3, gid="law")
@@ -87,12 +86,9 @@ def _DrawTangential(axes, solution, graph, off, least):
     direction = Left(contact.normals) if dim == 2 else _Unit(contact.Tangential(graph.q))
     slips, frictions = ([np.sum(contact.Tangential(vectors) * direction, axis=1) for vectors in pair]
                         for pair in ((solution.displacement, graph.displacement), (solution.traction, graph.traction)))
-    bound = np.zeros(len(off))
-    for _, here, _, friction in contact.parts:
-        if friction is not None:
-            # With the pressure that is reported: of a stiff law p_n(u_n - g) would be round-off.
-            base = friction.Bound(solution.penetration[here], solution.pressure[here])
-            bound[here] = base * SlipFactor(friction, contact.Slip(solution.displacement)[here])[0]
+    # With the pressure that is reported: of a stiff law p_n(u_n - g) would be round-off.
+    bound = OverParts(contact.parts, ContactPart.Bound, solution.penetration, solution.pressure)
+    bound = bound * OverParts(contact.parts, ContactPart.SlipFactor, contact.Slip(solution.displacement))[0]
     shown = (bound > least) | off
     scale = np.maximum(bound, least)
     if not np.any(shown):
@@ -115,8 +111,8 @@ def _DrawTangential(axes, solution, graph, off, least):
 
 def _DrawPoints(axes, contact, x, y, lawx, lawy, off, shown):
     """Points (x, y), crossed where they are off, and tied to (lawx, lawy) on the graph."""
-    for (_, here, *_), colour in zip(contact.parts, _Colours(contact)):
-        mine = np.flatnonzero((shown & ~off)[here]) + here.start
+    for part, colour in zip(contact.parts, _Colours(contact)):
+        mine = np.flatnonzero((shown & ~off)[part.points]) + part.points.start
         axes.plot(x[mine], y[mine], "o", color=colour, markersize=3.5, markerfacecolor="none", gid="points")
     axes.add_collection(LineCollection(np.stack([np.stack([x, y], axis=1), np.stack([lawx, lawy], axis=1)], axis=1)[off],
                                        color=VERMILION, linewidth=0.8), autolim=False)

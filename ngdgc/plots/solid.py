@@ -20,7 +20,8 @@ def ContactMaps(solution):
     figure = Figure(figsize=(12, 3.9 * len(contact.parts)), layout="constrained")
     grid = figure.subplots(len(contact.parts), 3, squeeze=False)
     size = np.linalg.norm(solution.friction, axis=1)
-    for row, (foundation, here, _, _) in zip(grid, contact.parts):
+    for row, part in zip(grid, contact.parts):
+        here = part.points
         frame = TangentFrame(contact.normals[here].mean(axis=0))
         s, t = (contact.coordinates[here] @ axis for axis in frame)
         marks = {"s": max(6, 40000 / len(s)), "linewidths": 0}      # that they nearly touch on a square
@@ -34,7 +35,7 @@ def ContactMaps(solution):
         row[2].scatter(s, t, c=solution.zones[here], cmap=ListedColormap(ZONE_COLOURS), vmin=-0.5, vmax=2.5, **marks)
         for axes, name in zip(row, ("pressure", "friction on the body", "zones")):
             axes.set(aspect="equal", xlabel=TangentLabel(frame[0]), ylabel=TangentLabel(frame[1]))
-            axes.set_title(f"{name}, {foundation.boundary!r}", fontsize=10)
+            axes.set_title(f"{name}, {part.foundation.boundary!r}", fontsize=10)
     figure.legend(handles=[Patch(facecolor=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)],
                   loc="outside lower right", ncols=len(ZONES), frameon=False)
     return figure

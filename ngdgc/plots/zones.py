@@ -36,9 +36,9 @@ def ZonesFigure(solution):
     pressure, largest = solution.pressure, solution.pressure.max(initial=0)
     height = COMB * np.ptp(OutlinePoints(disc), axis=0).max() / (largest or 1)
     colours = np.array(ZONE_COLOURS)[solution.zones]
-    for foundation, *_ in disc.contact.parts:
+    for part in disc.contact.parts:
         start = 0.0
-        for s, numbers, curve in Along(disc, foundation.boundary):
+        for s, numbers, curve in Along(disc, part.foundation.boundary):
             axes.plot(*curve.coordinates.T, color=EDGE, linewidth=7, solid_capstyle="butt")
             axes.add_collection(LineCollection(_Stretches(curve, s - start), colors=colours[numbers], linewidths=5,
                                                capstyle="butt", gid="zones"))
@@ -65,16 +65,16 @@ def _Maps(solution):
     contact = solution.disc.contact
     figure = Figure(figsize=(WIDTH, 2.7 * len(contact.parts) + 0.7), layout="constrained")
     grid = figure.subplots(len(contact.parts), 2, squeeze=False, sharex="row", sharey="row")
-    for row, (foundation, here, _, _) in zip(grid, contact.parts):
-        frame = np.array(TangentFrame(contact.normals[here].mean(axis=0)))
-        DrawMap(row[0], solution, here, frame, array=solution.zones, clim=(-0.5, 2.5), cmap=ListedColormap(ZONE_COLOURS),
+    for row, part in zip(grid, contact.parts):
+        frame = np.array(TangentFrame(contact.normals[part.points].mean(axis=0)))
+        DrawMap(row[0], solution, part.points, frame, array=solution.zones, clim=(-0.5, 2.5), cmap=ListedColormap(ZONE_COLOURS),
                 gid="zones")
-        pressure = DrawMap(row[1], solution, here, frame, array=solution.pressure, cmap="viridis", gid="pressure")
+        pressure = DrawMap(row[1], solution, part.points, frame, array=solution.pressure, cmap="viridis", gid="pressure")
         figure.colorbar(pressure, ax=row[1], label="pressure $p_n$ [stress]")
         for axes in row:
             axes.set_xlabel(TangentLabel(frame[0]))
         row[0].set_ylabel(TangentLabel(frame[1]))
-        row[0].set_title(f"zones, {foundation.boundary!r}{Unconverged(solution)}", fontsize=10)
+        row[0].set_title(f"zones, {part.foundation.boundary!r}{Unconverged(solution)}", fontsize=10)
     _Legend(figure, solution)
     return figure
 

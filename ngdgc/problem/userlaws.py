@@ -38,20 +38,6 @@ def LawName(law: Any) -> str:
     return type(law.law if isinstance(law, UserLaw) else law).__name__
 
 
-def CheckFinite(contact: Any, method: str, values: Any, at: Any, word: str = "penetration") -> None:
-    """Raise ProblemError that names the law and where it is unless its values (n,) at arguments (n,) are finite.
-
-    method : of the law, one of VALUES or PAIRS;  word : for its argument
-    """
-    wrong = np.flatnonzero(~np.isfinite(values))
-    if not len(wrong):
-        return
-    _, _, compliance, friction = next(part for part in contact.parts if part[1].start <= wrong[0] < part[1].stop)
-    law = compliance if method in ("Pressure", "PressureDerivative") else friction
-    raise ProblemError(f"{LawName(law)}.{method} is {values[wrong[0]]:g} at {word} {at[wrong[0]]:.6g}, not finite, where the "
-                       "iteration needs it; look at its exponent and its data for the penetrations that occur")
-
-
 def CheckPointwise(law: Any, method: str, *arguments: Any) -> None:
     """Raise ProblemError unless a `UserLaw` gives at every point what it gives for that point alone, whenever it is asked."""
     if not isinstance(law, UserLaw):

@@ -3,10 +3,10 @@
 import numpy as np
 from ngsolve import CF, Integrate
 
+from ..contact.parts import ContactPart, OverParts
 from ..data.coefficients import ValuesAt, VectorsAt
 from ..mesh.facets import Threads
 from ..mesh.quadrature import BoundaryQuadrature
-from ..problem.hypotheses import SlipFactor
 
 SAME = 1e-6         # relative difference of values that are the same
 LEAST = 1e-10       # the same, relative to the largest value of their table: round-off of what nearly cancels
@@ -66,13 +66,11 @@ def _Laws(contact, penetration, slip):
     depths, slips = (np.concatenate([extent * DEPTHS, PARTS * np.abs(values).max(initial=0)]) for values in (penetration, slip))
     tables = np.zeros((len(depths), 3, len(contact.weights)))
     for table, depth, length in zip(tables, depths, slips):
-        for _, here, compliance, friction in contact.parts:
-            r, s = (np.full(here.stop - here.start, value) for value in (depth, length))
-            with np.errstate(all="ignore"):     # a law may end at some penetration
-                table[0, here] = compliance.Pressure(r)
-                if friction is not None:
-                    bound = friction.Bound(r, table[0, here])
-                    table[1, here], table[2, here] = (bound * SlipFactor(friction, at)[0] for at in (0 * s, s))
+        r, s = (np.full(len(contact.weights), value) for value in (depth, length))
+        with np.errstate(all="ignore"):     # a law may end at some penetration
+            table[0] = OverParts(contact.parts, ContactPart.Pressure, r)
+            bound = OverParts(contact.parts, ContactPart.Bound, r, table[0])
+            table[1], table[2] = (bound * OverParts(contact.parts, ContactPart.SlipFactor, at)[0] for at in (0 * s, s))
     return tables.reshape(-1, len(contact.weights), 1)
 
 

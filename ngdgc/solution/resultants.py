@@ -63,9 +63,10 @@ def Resultants(solution):
         found.append(Resultant("added", None, *Split(basis @ AddedForce(solution))))
     contact = disc.contact
     motions = RigidMotionsAt(contact.coordinates)
-    for foundation, here, _, _ in contact.parts:
+    for part in contact.parts:
+        here = part.points
         modes = -np.einsum("cnd,nd,n->c", motions[:, here], solution.traction[here], contact.weights[here])
-        found.append(Resultant("foundation", foundation.boundary, *Split(modes)))
+        found.append(Resultant("foundation", part.foundation.boundary, *Split(modes)))
     return found
 
 

@@ -99,7 +99,8 @@ def Violation(solution: ContactSolution) -> Array:
     uscale = max(np.linalg.norm(solution.displacement, axis=1).max(), tscale * extent / problem.material.ShearAt(
         contact.inside).min())
     normal, bound = np.empty_like(r), np.zeros_like(r)
-    for _, here, law, rule in contact.parts:
+    for part in contact.parts:
+        here, law = part.points, part.compliance
         above = law.stiffness * np.maximum(r[here], 0) ** law.exponent
         inverse = np.where(p[here] > 0, (np.maximum(p[here], 0) / law.stiffness) ** (1 / law.exponent), np.minimum(r[here], 0))
         vertical = np.abs(p[here] - above) / tscale
@@ -107,7 +108,7 @@ def Violation(solution: ContactSolution) -> Array:
         horizontal = np.where(p[here] < 0, np.inf, np.abs(r[here] - inverse) / uscale)
         normal[here] = np.minimum(vertical, horizontal)
         nearest = np.where(vertical < horizontal, (r[here], above), (inverse, p[here]))
-        bound[here] = _Bound(rule, nearest[0], nearest[1], slid[here])
+        bound[here] = _Bound(part.friction, nearest[0], nearest[1], slid[here])
     fscale = max(bound.max(), 1e-3 * tscale)
     size = np.linalg.norm(friction, axis=1)
     stick = np.maximum(slid / uscale, (size - bound) / fscale)

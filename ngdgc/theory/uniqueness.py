@@ -86,8 +86,8 @@ def CheckUniqueness(disc: Discretization, *, depth: float | None = None, slip: f
         least = 1e-3 * np.ptp(contact.coordinates, axis=0).max()
         depth = max(contact.Penetration(free).max(), least) if depth is None else depth
         slip = max(contact.Slip(free).max(), least) if slip is None else slip
-    reports = tuple(CheckLaws(compliance, friction, depth=depth, slip=slip, npoints=here.stop - here.start)
-                    for _, here, compliance, friction in contact.parts)
+    reports = tuple(CheckLaws(part.compliance, part.friction, depth=depth, slip=slip,
+                              npoints=part.points.stop - part.points.start) for part in contact.parts)
     decrease, bound, weakening = (np.concatenate([getattr(report, name) for report in reports])
                                   for name in ("decrease", "friction", "weakening"))
     if not np.all(np.isfinite(decrease + bound + weakening)):

@@ -290,7 +290,7 @@ def test_every_object_says_what_it_is(solution):
     for value in written:
         assert eval(repr(value)) == value
     for value in (*written, problem, solution, solution.disc, solution.history[0], solution.levels[0], solution.rates,
-                  solution.disc.contact.parts[0][2], Scene(solution)):
+                  solution.disc.contact.parts[0].compliance, Scene(solution)):
         assert not re.search(r"object at|np\.|mappingproxy|\n", repr(value)), repr(value)
     assert re.search("object at", repr(x))
 

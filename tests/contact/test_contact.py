@@ -94,7 +94,7 @@ def test_several_foundations_with_data_that_vary(method):
     solution = UzawaSolver(tol=1e-10).Solve(Discretization(problem, method, RectangleMesh(4), order=2))
     contact = solution.disc.contact
     s, t = contact.coordinates.T
-    bottom, side = contact.parts[0][1], contact.parts[1][1]
+    bottom, side = (part.points for part in contact.parts)
     r = solution.penetration
     assert r[bottom] == pytest.approx(-solution.displacement[bottom, 1] - 0.01 * np.exp(s[bottom]), abs=1e-12)
     assert r[side] == pytest.approx(solution.displacement[side, 0] - 0.02 * np.sin(t[side]), abs=1e-12)
@@ -188,7 +188,7 @@ def test_shared_points_at_corners_slits_and_ends_of_foundations():
     law = NormalCompliance(1)
     problem = ContactProblem(HookeMaterial(E=1, nu=0.3), [Foundation("bottom", law), Foundation("left", law)])
     two = Discretization(problem, Conforming(), RectangleMesh(3)).contact
-    assert [here for _, here, *_ in two.parts] == [slice(0, 4), slice(4, 8)]
+    assert [part.points for part in two.parts] == [slice(0, 4), slice(4, 8)]
     halves = [WorkPlane().MoveTo(s, 0).Rectangle(1, 1).Face() for s in (0, 1)]
     for half in halves:
         half.edges.Min(Y).name = "bottom"

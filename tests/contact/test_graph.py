@@ -3,6 +3,7 @@
 Whether a pair obeys the law is decided here from (2.7)-(2.9) alone, with formulas of the laws typed again.
 """
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -222,14 +223,14 @@ def test_distance_is_the_minimum_of_both_ways_up_to_a_factor_two(compliance, siz
 def test_a_law_that_returns_nan_is_reported():
     contact, q = Setting(2, (50.0, 1), "none")
     broken = SimpleNamespace(Pressure=lambda r: r * np.nan, PressureDerivative=lambda r: r * np.nan)
-    (foundation, here, _, friction), = contact.parts
+    part, = contact.parts
     sick = SimpleNamespace(**{name: getattr(contact, name) for name in ("weights", "normals", "gap", "Normal", "dim")},
-                           parts=[(foundation, here, broken, friction)])
+                           parts=[replace(part, compliance=broken)])
     ContactGraph(contact, 1.0).At(q)
     with pytest.raises(ProblemError, match="not finite"):
         ContactGraph(sick, 1.0).At(q)
     nan = SimpleNamespace(Bound=lambda r, p: p, Coefficient=lambda s: (s * np.nan, s * np.nan))
-    sick.parts = [(foundation, here, contact.parts[0][2], nan)]
+    sick.parts = [replace(part, friction=nan)]
     with pytest.raises(ProblemError, match="not finite"):
         ContactGraph(sick, 1.0).At(q)
 
@@ -237,7 +238,7 @@ def test_a_law_that_returns_nan_is_reported():
 def test_a_law_that_ends_at_some_penetration_has_its_pairs_below():
     """p_n = -ln(1 - 100 r), undefined from r = 0.01 on; r = (1 - exp(-p))/100 is its inverse."""
     contact, q = Setting(2, (50.0, 1), "none")
-    (foundation, here, _, friction), = contact.parts
+    part, = contact.parts
 
     def Pressure(r):
         with np.errstate(all="ignore"):
@@ -245,7 +246,7 @@ def test_a_law_that_ends_at_some_penetration_has_its_pairs_below():
 
     barrier = SimpleNamespace(Pressure=Pressure, PressureDerivative=lambda r: np.where(r > 0, 100 / (1 - 100 * r), 0))
     ended = SimpleNamespace(**{name: getattr(contact, name) for name in ("weights", "normals", "gap", "Normal", "dim")},
-                            parts=[(foundation, here, barrier, friction)])
+                            parts=[replace(part, compliance=barrier)])
     for gamma in GAMMAS:
         at = ContactGraph(ended, gamma).At(q)
         r, p = contact.Penetration(at.displacement), contact.Normal(at.traction)
@@ -259,12 +260,12 @@ def test_a_law_that_ends_at_some_penetration_has_its_pairs_below():
 def test_distance_to_a_law_that_is_not_monotone_vanishes_on_its_graph():
     """p_n = 50 r up to r = 0.1 and 0 beyond: the line through a pair before the drop meets the graph beyond it, too."""
     contact, _ = Setting(2, (50.0, 1), "none")
-    (foundation, here, _, friction), = contact.parts
+    part, = contact.parts
     drop = SimpleNamespace(Pressure=lambda r: np.where((r > 0) & (r < 0.1), 50 * r, 0),
                            PressureDerivative=lambda r: np.where((r > 0) & (r < 0.1), 50.0, 0))
     broken = SimpleNamespace(**{name: getattr(contact, name) for name in ("weights", "normals", "gap", "Normal", "Tangential",
                                                                           "Penetration", "dim", "flexibility")},
-                             parts=[(foundation, here, drop, friction)])
+                             parts=[replace(part, compliance=drop)])
     r = np.linspace(-0.1, 0.3, len(contact.weights))
     u, t = (r + contact.gap)[:, None] * contact.normals, drop.Pressure(r)[:, None] * contact.normals
     found = Distance(broken, u, t)

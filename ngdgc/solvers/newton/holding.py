@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from ...contact.graph import Resolvent, Share
+from ...contact.parts import ContactPart, OverParts
+from ...contact.resolvent import Resolvent, Share
 
 DEEPEST = 1e-12     # stiffness in units of the body's, that limits the depth where a law ends before it carries the loads
 TOUCH = 1e-6        # penetration that counts as contact, in units of the extent of Gamma_C
@@ -25,23 +26,20 @@ class Holding:
         contact = self.contact = disc.contact
         self.scale, weights = scale, contact.weights / contact.weights.sum()
         load = np.linalg.norm(disc.resultant) / contact.weights.sum()
-        depth, _ = Resolvent(lambda r: np.array([weights @ self._Law("Pressure", r[0])]),
-                             lambda r: np.array([weights @ self._Law("PressureDerivative", r[0])]),
+        depth, _ = Resolvent(lambda r: np.array([weights @ self._AtDepth(ContactPart.Pressure, r[0])]),
+                             lambda r: np.array([weights @ self._AtDepth(ContactPart.PressureDerivative, r[0])]),
                              DEEPEST * scale.min(), np.array([load]))
         self.depth = float(depth[0])
-        stiffness = self.stiffness = self._Law("Pressure", self.depth) / self.depth if self.depth > 0 else scale
+        stiffness = self.stiffness = self._AtDepth(ContactPart.Pressure, self.depth) / self.depth if self.depth > 0 else scale
         normal = contact.normals[:, :, None] * contact.normals[:, None, :]
         self.slope = Share(stiffness, scale)[:, None, None] * normal
-        for _, here, _, friction in contact.parts:
-            if friction is not None:
-                self.slope[here] += np.eye(contact.dim) - normal[here]
+        for part in contact.parts:
+            if part.friction is not None:
+                self.slope[part.points] += np.eye(contact.dim) - normal[part.points]
 
-    def _Law(self, method, r):
-        """Pressure or PressureDerivative (n,) at one penetration; it may not be finite, where a law has ended."""
-        values = np.empty(len(self.scale))
-        for _, here, compliance, _ in self.contact.parts:
-            values[here] = getattr(compliance, method)(np.full(here.stop - here.start, r))
-        return values
+    def _AtDepth(self, Law, r):
+        """A law of ContactPart (n,) at one penetration; it may not be finite, where a law has ended."""
+        return OverParts(self.contact.parts, Law, np.full(len(self.scale), r))
 
     def Rest(self):
         """q (n, d) of a start in contact everywhere, or the first step would be a flight.
@@ -51,5 +49,5 @@ class Holding:
         contact, q = self.contact, np.zeros(len(self.scale))
         if self.depth > 0:
             r = max(self.depth, TOUCH * np.ptp(contact.coordinates, axis=0).max())
-            q = self._Law("Pressure", self.depth) + self.scale * (r + contact.gap)
+            q = self._AtDepth(ContactPart.Pressure, self.depth) + self.scale * (r + contact.gap)
         return q[:, None] * contact.normals

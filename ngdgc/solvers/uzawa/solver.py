@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ...contact.parts import ContactPart, OverParts
 from ...discrete.problem import DiscreteProblem
 from ...exceptions import ProblemError
-from ...problem.hypotheses import BoundDerivatives, SlipFactor
 from ...solution.history import Step
 from ...solution.solution import ContactSolution
 from ...tools.calls import ByKeyword
@@ -148,9 +148,9 @@ class _Run:
     def constant(self):
         """True if no friction bound depends on penetration, pressure or slip at the last iterate: then there is an energy."""
         r, slip = self.contact.Penetration(self.last), self.contact.Slip(self.last)
-        return not any(np.any(slope) for _, here, compliance, friction in self.contact.parts if friction is not None
-                       for slope in (*BoundDerivatives(friction, r[here], compliance.Pressure(r[here])),
-                                     SlipFactor(friction, slip[here])[1]))
+        parts = self.contact.parts
+        slopes = OverParts(parts, ContactPart.BoundDerivatives, r, OverParts(parts, ContactPart.Pressure, r))
+        return not np.any(slopes) and not np.any(OverParts(parts, ContactPart.SlipFactor, slip)[1])
 
     @property
     def remedies(self):

@@ -9,24 +9,13 @@ inverse for each product.  D = 0 is the elastic body alone; D near the slope of 
 and holds a body that nothing else holds.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 import scipy.sparse as sp
 
 from ..exceptions import ProblemError
 from ..linear.motions import Deflation
 from ..mesh.facets import Csr, Native, Threads
-
-
-@dataclass(frozen=True)
-class Equilibrium:
-    """A u = load f - T' W t: coefficients of u (ndof,), u and t at the contact points (n, d), and the multiple of the loads."""
-
-    vector: np.ndarray
-    displacement: np.ndarray
-    traction: np.ndarray
-    load: float
+from .equilibrium import Equilibrium
 
 
 class Compliance:
@@ -70,7 +59,7 @@ class Compliance:
 
     def _Equilibrium(self, vector, displacement, traction, load):
         u = self.contact.Displacement(vector) + load * self.disc.shift
-        return Equilibrium(vector, u, traction + self.Restoring(u - displacement), load)
+        return Equilibrium(vector=vector, displacement=u, traction=traction + self.Restoring(u - displacement), load=load)
 
     def Response(self, s):
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""

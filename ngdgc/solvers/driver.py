@@ -2,7 +2,6 @@
 
 import time
 from contextlib import contextmanager
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,15 +18,6 @@ WINDOW = 10         # iterations over which progress is judged
 NOPROGRESS = 0.97   # best value of a window against the best before: 0.997 per iteration
 ROUNDOFF = 1e-9     # changes below this that do not shrink are round-off: higher orders and penalties amplify it
 BLOWUP = 1e6        # growth of the displacement over two windows that no convergent iteration shows
-
-
-@dataclass(frozen=True)
-class Iterate:
-    """One iterate: coefficients of u (ndof,), the traction t (n, d) that produced it, and u at the contact points (n, d)."""
-
-    vector: np.ndarray
-    traction: np.ndarray
-    displacement: np.ndarray
 
 
 def LawResidual(contact, iterate):
@@ -61,7 +51,7 @@ def CheckCallback(callback):
 def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WINDOW, rest=0.0):
     """Run an iteration to its tolerance and return the ContactSolution.
 
-    `iterates` yields `Iterate`s, the first of them the start, and ends if the iteration gives up by itself.
+    `iterates` yields `Equilibrium`s, the first of them the start, and ends if the iteration gives up by itself.
     window : iterations over which the progress of a fixed-point iteration is judged.  It has converged if change <= tol and
         residual <= tol.  None: no fixed-point iteration, residual <= tol is enough
     rest : part of all iterations so far that one that is not monotone may rest, if that is more than the window

@@ -10,7 +10,8 @@ from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, 
                    NormalCompliance, SemismoothNewtonSolver, Solve, TrescaFriction, UzawaSolver)
 from ngdgc.mesh.facets import Facets
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.solvers.driver import Drive, Iterate, LawResidual
+from ngdgc.contact.equilibrium import Equilibrium
+from ngdgc.solvers.driver import Drive, LawResidual
 
 
 def Disc(friction=TrescaFriction(1), n=4):      # noqa: B008
@@ -42,7 +43,7 @@ def test_the_driver_stops_at_the_first_iterate_that_is_good_enough(window):
         for part in 0.5 ** np.arange(60):
             vector, traction = (goal + part * (start - goal) for goal, start in ((exact.vector, rest.vector),
                                                                                 (exact.traction, rest.traction)))
-            yield Iterate(vector, traction, disc.contact.Displacement(vector))
+            yield Equilibrium(vector=vector, displacement=disc.contact.Displacement(vector), traction=traction)
 
     residuals = [LawResidual(disc.contact, iterate) for iterate in Iterates()]
     assert np.all(np.diff(residuals[:25]) < 0) and residuals[0] > 100 * tol

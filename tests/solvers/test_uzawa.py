@@ -14,7 +14,8 @@ from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, 
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import RectangleMesh
-from ngdgc.solvers.driver import Iterate, LawResidual
+from ngdgc.contact.equilibrium import Equilibrium
+from ngdgc.solvers.driver import LawResidual
 
 
 def Softened(case, stiffness, plane="strain"):
@@ -265,11 +266,11 @@ def test_law_residual_vanishes_on_the_graph_and_only_there():
     contact = disc.contact      # n = (0, -1), gap 0.05; points: open, stick, slip
     u = np.array([[0.0, 0.01], [0.0, -0.25], [0.3, -0.25]])
     t = np.array([[0.0, 0.0], [1.5, -20.0], [2.0, -20.0]])
-    assert LawResidual(contact, Iterate(None, t, u)) < 1e-15
+    assert LawResidual(contact, Equilibrium(vector=None, displacement=u, traction=t)) < 1e-15
     for wrong in ([[0, 0], [1.5, -20], [-2, -20]], [[0, 0], [1.5, -19], [2, -20]], [[0, -1], [1.5, -20], [2, -20]]):
-        assert LawResidual(contact, Iterate(None, np.array(wrong, float), u)) > 1e-3
+        assert LawResidual(contact, Equilibrium(vector=None, displacement=u, traction=np.array(wrong, float))) > 1e-3
     creeping = u + [[0, 0], [0.1, 0], [0, 0]]       # slips although friction is below its bound
-    assert LawResidual(contact, Iterate(None, t, creeping)) > 0.1
+    assert LawResidual(contact, Equilibrium(vector=None, displacement=creeping, traction=t)) > 0.1
 
 
 def test_no_contact_needs_one_step_and_no_friction_law_is_frictionless():

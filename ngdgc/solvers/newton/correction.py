@@ -14,7 +14,7 @@ tenth or less of what there was, so that as few steps of conjugate gradients are
 from dataclasses import replace
 
 from ...contact.response import Compliance
-from ..driver import Iterate, LawResidual
+from ..driver import LawResidual
 from .run import SMALL, NewtonRun
 from .subspace import Subspace
 
@@ -63,11 +63,10 @@ class CorrectedRun:
     def _Balance(self, compliance, vector, point):
         """The iterate in equilibrium, nearly; entirely where the law holds, so that this can be believed."""
         for goal in ({"part": PART}, {"most": MOST}):
-            found = compliance.Approach(vector, point.displacement, point.traction, **goal)
-            iterate = Iterate(found.vector, found.traction, found.displacement)
+            iterate = compliance.Approach(vector, point.displacement, point.traction, **goal)
             if LawResidual(self.contact, iterate) > self.solver.tol:
                 break
-            vector = found.vector
+            vector = iterate.vector
         return iterate
 
     def _Whole(self, iterate):

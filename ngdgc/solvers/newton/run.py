@@ -6,10 +6,11 @@ from itertools import islice
 
 import numpy as np
 
+from ...contact.equilibrium import Equilibrium
 from ...contact.graph import ContactGraph, Scales
 from ...contact.response import Apply, Compliance
 from ...contact.stiffness import CAP, BodyStiffness, LawStiffness
-from ..driver import Iterate, LawResidual
+from ..driver import LawResidual
 from .holding import Holding
 from .pathfollowing import FEW, Path
 from .pointwise import PointwiseEquation
@@ -50,7 +51,7 @@ class State:
     point: object
     F: np.ndarray
     merit: float
-    iterate: Iterate
+    iterate: Equilibrium
 
 
 class NewtonRun:
@@ -148,7 +149,7 @@ class NewtonRun:
         else:
             self.recycled.Remember(s, response)
         F = point.displacement - found.displacement
-        self.state = State(point, F, self._Merit(F), Iterate(found.vector, found.traction, found.displacement))
+        self.state = State(point, F, self._Merit(F), found)
         return self.state
 
     def _Merit(self, F):

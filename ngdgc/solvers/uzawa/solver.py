@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from ...contact.equilibrium import Equilibrium
 from ...contact.parts import ContactPart, OverParts
 from ...discrete.problem import DiscreteProblem
 from ...exceptions import ProblemError
@@ -15,7 +16,7 @@ from ...solution.history import Step
 from ...solution.solution import ContactSolution
 from ...tools.calls import ByKeyword
 from ...tools.values import Among, IsNumber, PositiveNumber
-from ..driver import CheckLimits, Current, Drive, Iterate
+from ..driver import CheckLimits, Current, Drive
 from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
 
@@ -124,7 +125,7 @@ class _Run:
         contact = self.contact
         free = self.disc.FreeSolution()
         self.last = u = contact.Displacement(free)
-        yield Iterate(free, np.zeros_like(u), u)
+        yield Equilibrium(vector=free, displacement=u, traction=np.zeros_like(u))
         self.step = self.Step(u)
         state = self.step.Start(u)
         anderson = Anderson(self.step.metric) if self.solver.acceleration else None
@@ -134,7 +135,7 @@ class _Run:
             vector = free - self.disc.Response(traction)
             self.last = u = contact.Displacement(vector)
             self.count += 1
-            yield Iterate(vector, traction, u)
+            yield Equilibrium(vector=vector, displacement=u, traction=traction)
             image = self.step.Next(memory, u)
             state = anderson(state, image) if anderson else image
 

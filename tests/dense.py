@@ -67,7 +67,7 @@ class Dense:
     def __init__(self, matrix):
         self.matrix, self.count, self.stiffness = matrix, 0, np.zeros(len(matrix))
 
-    def Response(self, s):
+    def Product(self, s):
         self.count += 1
         return (self.matrix @ s.ravel()).reshape(s.shape)
 

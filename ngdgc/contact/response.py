@@ -9,6 +9,8 @@ inverse for each product.  D = 0 is the elastic body alone; D near the slope of 
 and holds a body that nothing else holds.
 """
 
+from copy import copy
+
 import numpy as np
 import scipy.sparse as sp
 
@@ -18,7 +20,7 @@ from ..mesh.facets import Csr, Native, Threads
 from .equilibrium import Equilibrium
 
 
-class Compliance:
+class ContactResponse:
     """S_D of a Discretization or `subspace.Subspace` for a stiffness D (n, d, d), symmetric and nonnegative; None: D = 0."""
 
     def __init__(self, disc, stiffness=None):
@@ -61,7 +63,13 @@ class Compliance:
         u = self.contact.Displacement(vector) + load * self.disc.shift
         return Equilibrium(vector=vector, displacement=u, traction=traction + self.Restoring(u - displacement), load=load)
 
-    def Response(self, s):
+    def Moved(self, disc):
+        """The same operator, with its inverse, for a problem with another right-hand side and the same matrix."""
+        other = copy(self)
+        other.disc, other.contact = disc, disc.contact
+        return other
+
+    def Product(self, s):
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
         return self.contact.Displacement(self._Solve(self.contact.Load(s)))
 

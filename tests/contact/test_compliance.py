@@ -10,7 +10,7 @@ from problems import Example
 
 from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError)
-from ngdgc.contact.response import Apply, Compliance
+from ngdgc.contact.response import Apply, ContactResponse
 from ngdgc.exact import WinklerColumn
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -44,7 +44,7 @@ def Random(disc, *, rank=None, seed=0):
 
 
 def Start(disc, stiffness, displacement, traction, load=1.0):
-    return Compliance(disc, stiffness).Meet(displacement, traction, load=load)[0]
+    return ContactResponse(disc, stiffness).Meet(displacement, traction, load=load)[0]
 
 
 @pytest.mark.parametrize("rank", [None, 1])
@@ -66,15 +66,15 @@ def test_an_equilibrium_solves_the_elastic_problem_and_meets_the_line_asked_for(
 def test_the_next_equilibrium_comes_from_the_difference(disc):
     """The same as from nothing; s and S_D s are a pair of the operator; the load that it was found for matters."""
     stiffness, displacement, traction = Random(disc)
-    compliance = Compliance(disc, stiffness)
-    near, *nothing = compliance.Meet(displacement, traction)
+    response = ContactResponse(disc, stiffness)
+    near, *nothing = response.Meet(displacement, traction)
     goal = (0.3 * displacement, traction + 1)
-    found, s, response = compliance.Meet(*goal, near=near)
+    found, s, product = response.Meet(*goal, near=near)
     fresh = Start(disc, stiffness, *goal)
-    assert nothing == [None, None] and response == pytest.approx(compliance.Response(s), abs=1e-12)
+    assert nothing == [None, None] and product == pytest.approx(response.Product(s), abs=1e-12)
     assert found.vector == pytest.approx(fresh.vector, abs=1e-9 * np.abs(fresh.vector).max())
     assert found.traction == pytest.approx(fresh.traction, abs=1e-9 * np.abs(fresh.traction).max())
-    half, s, _ = compliance.Meet(*goal, load=0.5, near=near)
+    half, s, _ = response.Meet(*goal, load=0.5, near=near)
     assert s is None and half.load == 0.5 and np.abs(half.vector - found.vector).max() > 1e-6 * np.abs(found.vector).max()
 
 
@@ -86,7 +86,7 @@ def test_no_stiffness_is_the_inverse_of_the_discretization(disc):
     assert np.array_equal(found.traction, traction)
     zero = Start(disc, 0 * stiffness, displacement, traction)
     assert zero.vector == pytest.approx(expected, abs=1e-9 * np.abs(expected).max())
-    stiff, soft = Compliance(disc, stiffness).Response(traction), Compliance(disc).Response(traction)
+    stiff, soft = (ContactResponse(disc, D).Product(traction) for D in (stiffness, None))
     assert np.abs(stiff).max() < 0.9 * np.abs(soft).max()
 
 
@@ -95,7 +95,7 @@ def test_matrix_is_restored_to_the_last_bit(disc, monkeypatch):
     values = disc.matrix.AsVector().FV().NumPy()
     before = values.copy()
     stiffness, *_ = Random(disc)
-    Compliance(disc, stiffness)
+    ContactResponse(disc, stiffness)
     assert np.array_equal(values, before)
     seen = []
 
@@ -105,7 +105,7 @@ def test_matrix_is_restored_to_the_last_bit(disc, monkeypatch):
 
     monkeypatch.setattr(disc, "Factorise", Fails)
     with pytest.raises(MemoryError):
-        Compliance(disc, stiffness)
+        ContactResponse(disc, stiffness)
     assert np.array_equal(values, before) and seen[0] > 1
     changed = values + 1e3 / 3
     assert not np.array_equal(changed - 1e3 / 3, before)
@@ -151,7 +151,7 @@ def test_stiffness_holds_a_body_that_only_its_foundation_holds(method):
     deeper = Start(disc, stiffness / 2, gap, np.zeros_like(n))
     assert disc.contact.Normal(deeper.displacement) == pytest.approx(0.1 + 20 / 50, rel=1e-9)
     with pytest.raises(ProblemError, match="held by its foundation alone"):
-        Compliance(disc)
+        ContactResponse(disc)
 
 
 def test_a_response_that_is_not_finite_is_an_error():

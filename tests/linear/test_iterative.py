@@ -11,7 +11,7 @@ from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Coulo
                    HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError)
 from ngdgc.linear import multigrid as cycles
 from ngdgc.linear import solenoidal
-from ngdgc.contact.response import Compliance
+from ngdgc.contact.response import ContactResponse
 from ngdgc.linear.cycles import Corners, Entries, Galerkin
 from ngdgc.mesh.facets import Csr, Native
 from ngdgc.linear.conjugategradients import DirectMemory, IterativeInverse, IterativeMemory
@@ -249,9 +249,9 @@ def test_inverse_stands_in_for_the_direct_one():
     u = disc.ApplyInverse(inverse, disc.load)
     assert np.linalg.norm(u - exact) < 1e-9 * np.linalg.norm(exact)
     push = disc.contact.normals
-    response = Compliance(disc).Response(push)
+    product = ContactResponse(disc).Product(push)
     disc.inverse = inverse
-    assert np.abs(Compliance(disc).Response(push) - response).max() < 1e-9 * np.abs(response).max()
+    assert np.abs(ContactResponse(disc).Product(push) - product).max() < 1e-9 * np.abs(product).max()
     inverse.tol = 1e-2
     crude = disc.ApplyInverse(inverse, disc.load)
     assert 1e-6 < np.linalg.norm(crude - exact) / np.linalg.norm(exact) < 0.1

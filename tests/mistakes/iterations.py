@@ -12,7 +12,7 @@ from ngdgc.meshes import RectangleMesh
 from ngdgc.solvers import driver
 from ngdgc.solvers.newton import correction
 from ngdgc.solvers.uzawa.contraction import ComplianceNorm
-from ngdgc.solvers.newton.run import NewtonRun
+from ngdgc.solvers.newton.record import Record
 
 
 def Disc(problem=None, n=4, *, method=None, order=1):
@@ -53,7 +53,7 @@ def StepTooLong():
 
 def Cycling():
     """Newton's method whose zones would come back every second step."""
-    with patch.object(NewtonRun, "_Period", return_value=2):
+    with patch.object(Record, "Period", return_value=2):
         return TakenForLost(SemismoothNewtonSolver(), Pressed(2e6, CoulombFriction(0.3), 8, push=0.01), after=3)
 
 

@@ -8,7 +8,7 @@ from ngdgc import (LDG, ContactProblem, Discretization, Foundation, HookeMateria
                    NotConvergedError, SemismoothNewtonSolver)
 from ngdgc.solvers.newton import subspace
 from ngdgc.studies.atlas.solvers import Point
-from ngdgc.contact.response import Compliance
+from ngdgc.contact.response import ContactResponse
 from ngdgc.mesh.facets import Csr
 from ngdgc.meshes import BoxMesh
 from ngdgc.studies.samples import Draw
@@ -24,9 +24,9 @@ def Box(n=4, *, method=None, order=1, stiffness=1.0, inverse="iterative", coeffi
 
 def Operator(disc, stiffness):
     """S_D in L2(Gamma_C), a dense symmetric matrix."""
-    compliance, (n, dim) = Compliance(disc, stiffness), disc.contact.normals.shape
+    response, (n, dim) = ContactResponse(disc, stiffness), disc.contact.normals.shape
     root = np.repeat(np.sqrt(disc.contact.weights), dim)
-    columns = [compliance.Response((unit / root).reshape(n, dim)).ravel() * root for unit in np.eye(n * dim)]
+    columns = [response.Product((unit / root).reshape(n, dim)).ravel() * root for unit in np.eye(n * dim)]
     return (np.array(columns) + np.array(columns).T) / 2
 
 
@@ -71,11 +71,11 @@ def test_a_correction_balances_what_the_subspace_can_test():
     disc = Box(3, order=2)
     random, small = np.random.default_rng(1), Subspace(disc)
     start = 1e-3 * random.standard_normal(disc.space.ndof)
-    small.Move(start)
+    small = small.Moved(start)
     n = disc.contact.normals
     stiffness = 500 * np.eye(3) * np.ones((len(n), 1, 1))
     for D in (None, stiffness):
-        found, *_ = Compliance(small, D).Meet(0.01 * n, 3 * n)
+        found, *_ = ContactResponse(small, D).Meet(0.01 * n, 3 * n)
         whole = small.Whole(found.vector)
         excess = Csr(disc.matrix) @ whole + disc.contact.Load(found.traction) - disc.load
         size = np.linalg.norm(disc.contact.Load(found.traction))
@@ -98,13 +98,13 @@ def test_all_corrections_take_about_as_many_cycles_as_one_linear_equation(stiffn
 @pytest.mark.parametrize("forgotten", ["shift", "load"])
 def test_corrections_of_another_state_do_not_converge(forgotten, monkeypatch):
     """Negative control, and the message: displacement or imbalance of what is to be corrected are left out."""
-    def Move(small, vector):
-        move(small, vector)
-        old = Subspace(small.disc)
-        setattr(small, forgotten, getattr(old, forgotten))
+    def Moved(small, vector):
+        other, old = moved(small, vector), Subspace(small.disc)
+        setattr(other, forgotten, getattr(old, forgotten))
+        return other
 
-    move = Subspace.Move
-    monkeypatch.setattr(correction.Subspace, "Move", lambda small, vector: (Move if np.any(vector) else move)(small, vector))
+    moved = Subspace.Moved
+    monkeypatch.setattr(correction.Subspace, "Moved", Moved)
     with pytest.raises(NotConvergedError, match="law residual of .*inverse='sparsecholesky'"):
         SemismoothNewtonSolver().Solve(Box())
 

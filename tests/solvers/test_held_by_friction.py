@@ -8,8 +8,10 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, NotConvergedError, SemismoothNewtonSolver)
 from ngdgc.cases import two_materials
-from ngdgc.solvers.newton import run as newtonrun
+from ngdgc.solvers.newton import setting, step
+from ngdgc.solvers.newton.pointwise import PointwiseEquation
 from ngdgc.solvers.newton.run import NewtonRun
+from ngdgc.solvers.newton.stiffened import StiffenedBody
 
 
 def Block():
@@ -17,9 +19,9 @@ def Block():
     return Discretization(two_materials.Problem(), InteriorPenalty(), two_materials.Mesh(4), order=1)
 
 
-def Plain(run, F):
+def Plain(body, F):
     """|F|^2, the merit of bodies that are held."""
-    return float(np.sum(run.weights * F ** 2))
+    return float(np.sum(body.setting.contact.weights[:, None] * F ** 2))
 
 
 def Strip():
@@ -33,45 +35,44 @@ def Strip():
 def test_it_takes_few_steps_and_fails_without_what_holds_it(monkeypatch):
     for disc, steps, solves in ((Block(), 5, 30), (Strip(), 15, 150)):
         assert len(SemismoothNewtonSolver().Solve(disc).history) <= steps and disc.solves <= solves
-    monkeypatch.setattr(newtonrun, "HOLD", 0)
-    monkeypatch.setattr(NewtonRun, "_Merit", Plain)
+    monkeypatch.setattr(step, "HOLD", 0)
+    monkeypatch.setattr(StiffenedBody, "Merit", Plain)
     with pytest.raises(NotConvergedError, match="translation along x"):
         SemismoothNewtonSolver().Solve(Strip())
 
 
-@pytest.mark.parametrize("sticking", [newtonrun.STICKING, 100])
+@pytest.mark.parametrize("sticking", [setting.STICKING, 100])
 def test_merit_sees_that_a_body_in_flight_is_out_of_balance(sticking, monkeypatch):
     """All points slip the same way by 1, for a displacement of 0.3, or sink too little and too much by a thousandth of that.
 
     F itself sees it as long as little holds the body in the matrix.
     """
-    monkeypatch.setattr(newtonrun, "STICKING", sticking)
-    run = NewtonRun(SemismoothNewtonSolver(), Block(), None)
-    state = run._Step(run._Evaluate(run.start))
-    place = run.contact.coordinates[:, :1] / two_materials.LENGTH - 0.5
-    tilted = run._Evaluate(run.graph.At(state.point.q + 1e-3 * run.scale[:, None] * place * [0, 1]))
-    flying = run._Evaluate(run.graph.At(state.point.q + run.scale[:, None] * [1, 0]))
+    monkeypatch.setattr(setting, "STICKING", sticking)
+    run = NewtonRun(Block(), None, 1e-10)
+    state, scale = step.Step(run.body.Evaluate(run.start), run.record, run.tol), run.setting.scale[:, None]
+    place = run.setting.contact.coordinates[:, :1] / two_materials.LENGTH - 0.5
+    tilted = state.At(state.point.q + 1e-3 * scale * place * [0, 1])
+    flying = state.At(state.point.q + scale * [1, 0])
     assert np.all(flying.point.zones == 2)
     assert flying.merit > 100 * tilted.merit
-    assert (Plain(run, flying.F) < Plain(run, tilted.F)) == (sticking == 100)
+    assert (Plain(run.body, flying.F) < Plain(run.body, tilted.F)) == (sticking == 100)
 
 
 def test_slopes_are_raised_for_such_a_body_alone_and_fade():
-    run = NewtonRun(SemismoothNewtonSolver(), Block(), None)
-    state, least, merits = run._Evaluate(run.start), [], []
+    run = NewtonRun(Block(), None, 1e-10)
+    state, merits, body = run.body.Evaluate(run.start), [], run.body
     for _ in range(3):
         merits.append(state.merit)
-        state = run._Step(state)
-        least.append(run.least)
-    assert least == pytest.approx(newtonrun.HOLD * np.sqrt(np.array(merits) / merits[0])) and least[-1] < 0.5 * least[0]
-    sliding = run.graph.At(state.point.q + run.scale[:, None] * [1, 0])
+        state = step.Step(state, run.record, run.tol)
+    least = [taken.least for taken in run.record.taken]
+    assert least == pytest.approx(step.HOLD * np.sqrt(np.array(merits) / merits[0])) and least[-1] < 0.5 * least[0]
+    sliding = run.setting.graph.At(state.point.q + run.setting.scale[:, None] * [1, 0])
     assert np.linalg.eigvalsh(sliding.derivative + np.swapaxes(sliding.derivative, 1, 2)).min() < 1e-12
-    run.least = 0.01
-    raised, plain = run._Equation(sliding), newtonrun.PointwiseEquation(sliding, run.scale, run.stiffness, run.blocks)
+    raised, plain = body.Equation(sliding, 0.01), PointwiseEquation(sliding, run.setting.scale, body.stiffness, body.blocks)
     assert np.abs(raised.P - plain.P).max() > 1e-3
-    held = NewtonRun(SemismoothNewtonSolver(), Discretization(Held(), InteriorPenalty(), two_materials.Mesh(4), order=1), None)
-    held._Step(held._Evaluate(held.start))
-    assert held.least is None
+    held = NewtonRun(Discretization(Held(), InteriorPenalty(), two_materials.Mesh(4), order=1), None, 1e-10)
+    step.Step(held.body.Evaluate(held.start), held.record, held.tol)
+    assert [taken.least for taken in held.record.taken] == [None]
 
 
 def Held():

@@ -13,6 +13,7 @@ from ngdgc import (BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discr
                    SemismoothNewtonSolver, SlipWeakeningFriction, SolveInterrupted, TrescaFriction, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.solvers.newton.record import Record
 from ngdgc.solvers.newton.run import NewtonRun
 
 EXAMPLES = {"4.1": (example_4_1, 2000), "4.2": (example_4_2, 2500)}
@@ -57,15 +58,15 @@ def test_step_is_that_of_the_derivative(disc, ratio):
     solution = NEWTON.Solve(disc)
     random = np.random.default_rng(0)
     for start in (None, (solution.displacement, solution.traction)):
-        run = NewtonRun(NEWTON, disc, start)        # with and without stiffness in the matrix
-        q = run.graph.Coordinates(solution.displacement, solution.traction)
-        point = run.graph.At(q)
+        run = NewtonRun(disc, start, NEWTON.tol)        # with and without stiffness in the matrix
+        q = run.setting.graph.Coordinates(solution.displacement, solution.traction)
+        point = run.setting.graph.At(q)
         q = q + 1e-6 * np.abs(q).max() * random.uniform(-1, 1, q.shape)
-        state = run._Evaluate(run.graph.At(q))
+        state = run.body.Evaluate(run.setting.graph.At(q))
         kept = np.array_equal(state.point.zones, point.zones)
-        step = run._Direction(state, 1e-13)
-        left = run._Evaluate(run.graph.At(q + step)).merit / state.merit
-        wrong = run._Evaluate(run.graph.At(q + 1.01 * step)).merit / state.merit
+        step = run.body.Direction(state, 1e-13)
+        left = state.At(q + step).merit / state.merit
+        wrong = state.At(q + 1.01 * step).merit / state.merit
         # 1e-5 ^ 2: round-off of u 1e-11 of its size, and second order, against F of 1e-6 of it.
         assert kept and left < 1e-8 and 5e-5 < wrong
 
@@ -174,12 +175,12 @@ def test_an_excursion_leaves_no_trace():
     """Where the iteration has been astray, digits are lost; they are those of that place and not of the next one."""
     disc = Stiff("4.2", 1e3, CoulombFriction(0.3))
     solution = NEWTON.Solve(disc)
-    run = NewtonRun(NEWTON, disc, (solution.displacement, solution.traction))
-    point, far = run.start, run.graph.At(1e12 * run.start.q)
-    run._Evaluate(run.graph.At(0.5 * point.q))
-    before = run._Evaluate(point).F
-    lost = np.abs(run._Evaluate(far).iterate.displacement).max() * np.finfo(float).eps
-    again = run._Evaluate(point).F
+    run = NewtonRun(disc, (solution.displacement, solution.traction), NEWTON.tol)
+    point, first = run.start, run.body.Evaluate(run.setting.graph.At(0.5 * run.start.q))
+    before = first.To(point).F
+    astray = first.At(1e12 * point.q)
+    lost = np.abs(astray.equilibrium.displacement).max() * np.finfo(float).eps
+    again = astray.To(point).F
     assert np.abs(again - before).max() < 1e-12 * np.abs(point.displacement).max() < 1e-6 * lost
 
 
@@ -258,9 +259,9 @@ def test_bad_arguments_are_refused_by_name(call, culprit):
 
 
 def test_a_run_that_gives_up_before_its_first_step_is_no_index_error(monkeypatch):
-    monkeypatch.setattr(NewtonRun, "_Stalled", lambda run: True)
-    monkeypatch.setattr(NewtonRun, "_AlongPath", lambda run: None)
-    monkeypatch.setattr(NewtonRun, "_Continuation", lambda run: None)
+    monkeypatch.setattr(Record, "Stalled", lambda record, patience: True)
+    monkeypatch.setattr(NewtonRun, "AlongPath", lambda run, state, tol: None)
+    monkeypatch.setattr(NewtonRun, "UnderLoad", lambda run, state, tol: None)
     with pytest.raises(NotConvergedError, match=r"Newton.*before its first iteration") as failure:
         SemismoothNewtonSolver().Solve(Stiff("4.1", 1e3, CoulombFriction(0.3)))
     assert failure.value.history == [] and not failure.value.solution.converged

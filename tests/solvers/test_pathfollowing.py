@@ -7,7 +7,7 @@ from ngsolve.meshes import MakeStructured2DMesh
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, NormalCompliance,
                    NotConvergedError, SemismoothNewtonSolver, Solve)
-from ngdgc.contact.response import Compliance
+from ngdgc.contact.response import ContactResponse
 from ngdgc.solvers.newton.run import NewtonRun
 from ngdgc.solvers.newton.pathfollowing import Path
 from ngdgc.contact.stiffness import BodyStiffness
@@ -42,7 +42,7 @@ def test_what_newton_cycles_on_is_solved_along_the_path(monkeypatch):
     """The value is that of a general root finder on the eight unknowns from forty random starts."""
     solution = SemismoothNewtonSolver().Solve(Strip())
     assert solution.normalforce == pytest.approx(0.765663, rel=1e-6) and list(solution.zones) == [1, 2, 1, 2]
-    monkeypatch.setattr(NewtonRun, "_AlongPath", lambda run: None)
+    monkeypatch.setattr(NewtonRun, "AlongPath", lambda run, state, tol: None)
     with pytest.raises(NotConvergedError, match="given up at"):
         SemismoothNewtonSolver().Solve(Strip())
 
@@ -52,7 +52,7 @@ def test_end_of_the_path_is_the_solution(nx):
     """The dense equation at s = 1 is that of the solver: one step of Newton's method is left, of round-off."""
     for seed in range(4):
         disc = Bar(nx, seed)
-        point = Path(Compliance(disc), BodyStiffness(disc)).Follow()
+        point = Path(ContactResponse(disc), BodyStiffness(disc)).Follow()
         solution = SemismoothNewtonSolver().Solve(disc, start=(point.displacement, point.traction))
         assert len(solution.history) == 1
         assert np.abs(solution.displacement - point.displacement).max() < 1e-9 * np.abs(solution.displacement).max()
@@ -61,7 +61,7 @@ def test_end_of_the_path_is_the_solution(nx):
 def test_a_path_turns_back_and_is_followed_nevertheless():
     """s falls somewhere along the path of the strip; without the orientation by the determinant it would be lost there."""
     disc, passed = Strip(), []
-    path = Path(Compliance(disc), BodyStiffness(disc))
+    path = Path(ContactResponse(disc), BodyStiffness(disc))
     Correct = path._Correct
 
     def Seen(z, normal):
@@ -74,5 +74,5 @@ def test_a_path_turns_back_and_is_followed_nevertheless():
 
 def test_time_is_limited():
     disc = Strip()
-    assert Path(Compliance(disc), BodyStiffness(disc)).Follow(seconds=0) is None
+    assert Path(ContactResponse(disc), BodyStiffness(disc)).Follow(seconds=0) is None
     assert Solve(disc).converged

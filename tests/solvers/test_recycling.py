@@ -81,9 +81,9 @@ def test_the_same_equation_again_costs_nothing(weights):
     assert dense.count == before
     known = Recycled(Dense(S), weights)
     solution = np.linalg.solve(Matrix(S, blocks), b.ravel()).reshape(b.shape)
-    known.Remember(solution, known.compliance.Response(solution))
+    known.Remember(solution, known.response.Product(solution))
     known.Solve(Equation(blocks)[0], b, tol=1e-10, maxiter=100)
-    assert known.compliance.count == 1
+    assert known.response.count == 1
 
 
 def test_products_serve_matrices_with_another_stiffness(weights):
@@ -96,8 +96,8 @@ def test_products_serve_matrices_with_another_stiffness(weights):
     for told, fresh in ((other.stiffness, 0), (first.stiffness, 1)):
         recycled = Recycled(first, weights)
         for unit in np.eye(N * DIM):
-            recycled.Remember(unit.reshape(N, DIM), first.Response(unit.reshape(N, DIM)))
-        recycled.compliance, truth, other.count = other, other.stiffness, 0
+            recycled.Remember(unit.reshape(N, DIM), first.Product(unit.reshape(N, DIM)))
+        recycled, truth, other.count = recycled.With(other), other.stiffness, 0
         other.stiffness = told
         s, y = recycled.Solve(Equation(blocks)[0], b, tol=1e-9, maxiter=100)
         other.stiffness = truth
@@ -159,7 +159,7 @@ def test_nothing_to_solve(weights):
     """A zero right-hand side and a zero product ask for nothing and divide by nothing."""
     dense = Dense(Compliance())
     recycled = Recycled(dense, weights)
-    recycled.Remember(np.zeros((N, DIM)), dense.Response(np.zeros((N, DIM))))
+    recycled.Remember(np.zeros((N, DIM)), dense.Product(np.zeros((N, DIM))))
     assert not recycled.images
     s, y = recycled.Solve(Equation(Blocks(1))[0], np.zeros((N, DIM)), tol=1e-8, maxiter=10)
     assert not np.any(s) and not np.any(y) and dense.count == 1

@@ -13,9 +13,10 @@ tenth or less of what there was, so that as few steps of conjugate gradients are
 
 from dataclasses import replace
 
-from ...contact.response import Compliance
+from ...contact.response import ContactResponse
 from ..driver import LawResidual
-from .run import SMALL, NewtonRun
+from .record import SMALL
+from .run import NewtonRun
 from .subspace import Subspace
 
 FIRST = 1e-2        # law residual of the first solution in X_h, about what it lacks
@@ -27,50 +28,45 @@ PATIENCE = 6        # corrections in which the law residual must halve
 
 
 class CorrectedRun:
-    """One run on a Discretization whose inverse is an iteration; `solver` and `start` as for a `NewtonRun`.
+    """One run on a Discretization whose inverse is an iteration; arguments as for a `NewtonRun`.
 
     Attributes
     ----------
-    residuals : law residual after every correction
+    run : that in X_h;  residuals : law residual after every correction
     """
 
-    def __init__(self, solver, disc, start):
-        self.solver, self.disc, self.contact = solver, disc, disc.contact
-        self.subspace = Subspace(disc)
-        self.run = NewtonRun(replace(solver, tol=max(FIRST, solver.tol)), self.subspace, start)
-        self.residuals = []
+    def __init__(self, disc, start, tol):
+        self.disc, self.tol, self.residuals = disc, tol, []
+        self.run = NewtonRun(Subspace(disc), start, tol)
 
     def Iterates(self):
-        iterates, compliance = self.run.Iterates(), None
-        yield self._Whole(next(iterates))
-        while self._Reach(iterates):
-            point, vector = self.run.state.point, self._Whole(self.run.state.iterate).vector
-            compliance = compliance or Compliance(self.disc, self.run.Stiffness(point))
-            iterate = self._Balance(compliance, vector, point)
-            self.residuals.append(LawResidual(self.contact, iterate))
+        subspace, goal, response = self.run.setting.disc, max(FIRST, self.tol), None
+        states = self.run.States(goal)
+        yield _Whole(subspace, next(states))
+        while (state := self._Reach(states, goal)) is not None:
+            response = response or ContactResponse(self.disc, self.run.setting.Stiffness(state.point))
+            iterate = self._Balance(response, _Whole(subspace, state).vector, state.point)
+            self.residuals.append(LawResidual(self.disc.contact, iterate))
             yield iterate
             if self._Stalled():
                 return
-            self.run.solver = replace(self.solver, tol=min(FIRST, INNER * self.residuals[-1]))
-            self.subspace.Move(iterate.vector)
-            iterates = self.run.Resume(renew=len(self.residuals) == 1 and self.subspace.solves > OUTDATED)
-            next(iterates)
+            goal, renew = min(FIRST, INNER * self.residuals[-1]), len(self.residuals) == 1 and subspace.solves > OUTDATED
+            subspace = subspace.Moved(iterate.vector)
+            states = self.run.Resume(subspace, goal, renew=renew)
+            next(states)
 
-    def _Reach(self, iterates):
-        """True once the run in X_h is as good as it has to be, after a step at least."""
-        return any(LawResidual(self.contact, iterate) <= self.run.solver.tol for iterate in iterates)
+    def _Reach(self, states, goal):
+        """The first state, after a step at least, that is as good as it has to be, or None."""
+        return next((state for state in states if LawResidual(self.disc.contact, state.equilibrium) <= goal), None)
 
-    def _Balance(self, compliance, vector, point):
+    def _Balance(self, response, vector, point):
         """The iterate in equilibrium, nearly; entirely where the law holds, so that this can be believed."""
         for goal in ({"part": PART}, {"most": MOST}):
-            iterate = compliance.Approach(vector, point.displacement, point.traction, **goal)
-            if LawResidual(self.contact, iterate) > self.solver.tol:
+            iterate = response.Approach(vector, point.displacement, point.traction, **goal)
+            if LawResidual(self.disc.contact, iterate) > self.tol:
                 break
             vector = iterate.vector
         return iterate
-
-    def _Whole(self, iterate):
-        return replace(iterate, vector=self.subspace.Whole(iterate.vector))
 
     def _Stalled(self):
         return len(self.residuals) > PATIENCE and self.residuals[-1] > 0.5 * self.residuals[-1 - PATIENCE]
@@ -81,5 +77,9 @@ class CorrectedRun:
             return (f"contact in a subspace and equilibrium in the whole space, in turn, stay at a law residual of "
                     f"{self.residuals[-1]:.2g}: with strong friction the solution depends on what the subspace does not see.  "
                     "Remedy: inverse='sparsecholesky', which needs no subspace, or a finer mesh"), None
-        self.run.solver = self.solver
         return self.run.Diagnose(reason)
+
+
+def _Whole(subspace, state):
+    """The equilibrium of a state in X_h with the coefficients of u in V_h."""
+    return replace(state.equilibrium, vector=subspace.Whole(state.equilibrium.vector))

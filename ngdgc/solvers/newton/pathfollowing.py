@@ -33,22 +33,22 @@ SECONDS = 10.0      # for one path
 class Path:
     """The path of a body that is held, from s = 0 on; S takes as many applications of the inverse as t has components.
 
-    compliance : `Compliance` with D = 0;  scale : gamma (n,) [stress/length]
+    response : `ContactResponse` with D = 0;  scale : gamma (n,) [stress/length]
 
     Attributes
     ----------
     s : how far it has come, 1 at a solution
     """
 
-    def __init__(self, compliance, scale):
-        contact = self.contact = compliance.contact
+    def __init__(self, response, scale):
+        contact = self.contact = response.contact
         shape = contact.normals.shape
         units = np.eye(contact.normals.size).reshape(-1, *shape)
-        self.S = np.array([compliance.Response(unit).ravel() for unit in units]).T
+        self.S = np.array([response.Product(unit).ravel() for unit in units]).T
         self.scale = np.repeat(scale, shape[1])
         self.graph = ContactGraph(contact, scale)
         rest = np.zeros(shape)
-        self.free = compliance.Meet(rest, rest)[0].displacement.ravel()
+        self.free = response.Meet(rest, rest)[0].displacement.ravel()
         self.size = max(np.abs(self.free).max(), np.abs(contact.gap).max()) or 1.0
 
     @Batched

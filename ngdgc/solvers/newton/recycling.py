@@ -5,6 +5,8 @@ product y = S_D s, once paid for by an application of an inverse, gives M s for 
 in the least squares sense on all vectors s of the past, at no cost, and only what is left asks for more.
 """
 
+from copy import copy
+
 import numpy as np
 
 from ...tools.parallel import Batched
@@ -15,25 +17,35 @@ MEMORY = 400    # pairs kept: the singular value decomposition of more costs as 
 class Recycled:
     """Pairs (s, S_D s) of a compliance operator, the last MEMORY of them, and the equations solved with them.
 
-    compliance : a `Compliance`, which may be exchanged for one with another D;  weights (n,) of the contact points
+    response : a `ContactResponse`, S_D;  weights (n,) of the contact points
+
+    Attributes
+    ----------
+    tractions, images : lists of the pairs for D = 0, arrays (n, d)
     """
 
-    def __init__(self, compliance, weights):
-        self.compliance = compliance
+    def __init__(self, response, weights):
+        self.response = response
         self.root = np.sqrt(weights)[:, None]
         self.tractions, self.images = [], []
+
+    def With(self, response):
+        """The same pairs for another D, or another right-hand side."""
+        other = copy(self)
+        other.response = response
+        return other
 
     def Remember(self, s, image):
         """Use the pair (s, S_D s) in later equations."""
         length = np.linalg.norm(self.root * s)
         if length > 0:
             # What does not depend on D: S_D s is also the response without it to s - D S_D s.
-            self.tractions = self.tractions[1 - MEMORY:] + [(s - self.compliance.Restoring(image)) / length]
+            self.tractions = self.tractions[1 - MEMORY:] + [(s - self.response.Restoring(image)) / length]
             self.images = self.images[1 - MEMORY:] + [image / length]
 
     def Pairs(self):
         """All (s, S_D s) for the present D, as arrays (m, n, d)."""
-        return np.array([t + self.compliance.Restoring(y) for t, y in zip(self.tractions, self.images)]), np.array(self.images)
+        return np.array([t + self.response.Restoring(y) for t, y in zip(self.tractions, self.images)]), np.array(self.images)
 
     @Batched
     def Solve(self, Local, b, *, tol, maxiter):
@@ -56,7 +68,7 @@ class Recycled:
             if size <= goal:
                 break
             direction = (residual / size).reshape(b.shape) / self.root
-            image = self.compliance.Response(direction)
+            image = self.response.Product(direction)
             self.Remember(direction, image)
             if not basis.Add((self.root * (direction + Local(image, direction))).ravel(), direction.ravel(), image.ravel()):
                 break

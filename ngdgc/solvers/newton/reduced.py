@@ -21,12 +21,12 @@ ENOUGH = 1e-12      # decrease of the merit function with S_V that ends them
 DECREASE = 1e-4     # relative decrease that a full step must bring
 
 
-class ReducedCompliance:
+class ReducedResponse:
     """S_V of the pairs that a `recycling.Recycled` remembers; blocks B (n, d, d) [length/stress]."""
 
     @Batched
     def __init__(self, recycled, blocks):
-        self.blocks, self.restoring = blocks, recycled.compliance.Restoring
+        self.blocks, self.restoring = blocks, recycled.response.Restoring
         n, dim = blocks.shape[:2]
         root = np.repeat(recycled.root.ravel(), dim)
         self.left = self.right = np.empty((n * dim, 0))         # S_V = B + left right'
@@ -38,7 +38,7 @@ class ReducedCompliance:
             self.right = root[:, None] * vectors[:, kept]
             self.left = rest.reshape(len(s), -1).T @ (combination[kept].T / sizes[kept])
 
-    def Response(self, s):
+    def Product(self, s):
         """S_V s, (n, d) -> (n, d)."""
         return Apply(self.blocks, s) + (self.left @ (self.right.T @ s.ravel())).reshape(s.shape)
 
@@ -52,15 +52,15 @@ class ReducedCompliance:
     def Minimise(self, graph, Equation, Merit, state, q):
         """q (n, d) of a point of the graph where the merit of F with S_V instead of S_D is least or small, from q on.
 
-        Equation : GraphPoint -> `PointwiseEquation`;  Merit : F (n, d) -> number;  state : a `run.State`, the
+        Equation : GraphPoint -> `PointwiseEquation`;  Merit : F (n, d) -> number;  state : a `stiffened.NewtonState`, the
         changes from which are subject to S_V; its merit is the scale of the others
         """
-        u, t = state.iterate.displacement, state.iterate.traction
+        u, t = state.equilibrium.displacement, state.equilibrium.traction
 
         def Evaluate(q):
             point = graph.At(q)
             change = point.displacement - u
-            F = change + self.Response(point.traction - t - self.restoring(change))
+            F = change + self.Product(point.traction - t - self.restoring(change))
             return point, F, Merit(F)
 
         point, F, merit = Evaluate(q)

@@ -34,7 +34,7 @@ class SemismoothNewtonSolver:
     * From there the contact problem with all that these products tell of S is solved, which costs nothing (`reduced`), checked
       by one application, and again as long as that helps: zones that change need no further Newton step.
     * Where the inverse is an iteration, all this happens in a subspace, and its corrections in the whole space (`correction`).
-    * The stiffness of the law where the start predicts contact is put into the factorised matrix (`compliance`), also to hold
+    * The stiffness of the law where the start predicts contact is put into the factorised matrix (`stiffened`), also to hold
       a body that nothing but its foundation holds; stick, which no foundation's stiffness measures, only softly there.
     * Where nothing but the foundation holds the body and all points slip or have lifted off, the derivative is singular: dt/dq
       counts as at least 1/100, less as F falls, of what it is where the foundation carries the loads and friction sticks.
@@ -65,7 +65,7 @@ class SemismoothNewtonSolver:
         """
         with Current(disc) as disc:
             start = start if start is None else _Start(start, disc.contact.normals.shape)
-            run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(self, disc, start)
+            run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(disc, start, self.tol)
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
 
 

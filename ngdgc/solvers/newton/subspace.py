@@ -53,10 +53,15 @@ class Subspace(LinearEquations):
             self.matrix = embedding.CreateTranspose() @ (disc.matrix @ embedding)
         self.contact = copy(disc.contact)
         self.contact.trace = disc.contact.trace @ self.prolongation
-        self.Move(np.zeros(disc.space.ndof))
+        self._Correct(np.zeros(disc.space.ndof))
 
-    def Move(self, vector):
-        """Make the coefficients (ndof,) of a displacement in V_h the u_0 that is to be corrected."""
+    def Moved(self, vector):
+        """The problem in the same X_h that corrects another displacement u_0 in V_h, given by its coefficients (ndof,)."""
+        other = copy(self)
+        other._Correct(vector)
+        return other
+
+    def _Correct(self, vector):
         self.vector, self.shift = vector, self.disc.contact.Displacement(vector)
         residual = self.disc.load - self.disc.Multiply(vector)
         if self.disc.unresisted and len(self.disc.motions):

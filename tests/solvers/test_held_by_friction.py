@@ -49,7 +49,7 @@ def test_merit_sees_that_a_body_in_flight_is_out_of_balance(sticking, monkeypatc
     """
     monkeypatch.setattr(setting, "STICKING", sticking)
     run = NewtonRun(Block(), None, 1e-10)
-    state, scale = step.Step(run.body.Evaluate(run.start), run.record, run.tol), run.setting.scale[:, None]
+    state, scale = step.NewtonStep(run.body.Evaluate(run.start), run.record, run.tol), run.setting.scale[:, None]
     place = run.setting.contact.coordinates[:, :1] / two_materials.LENGTH - 0.5
     tilted = state.At(state.point.q + 1e-3 * scale * place * [0, 1])
     flying = state.At(state.point.q + scale * [1, 0])
@@ -63,7 +63,7 @@ def test_slopes_are_raised_for_such_a_body_alone_and_fade():
     state, merits, body = run.body.Evaluate(run.start), [], run.body
     for _ in range(3):
         merits.append(state.merit)
-        state = step.Step(state, run.record, run.tol)
+        state = step.NewtonStep(state, run.record, run.tol)
     least = [taken.least for taken in run.record.taken]
     assert least == pytest.approx(step.HOLD * np.sqrt(np.array(merits) / merits[0])) and least[-1] < 0.5 * least[0]
     sliding = run.setting.graph.At(state.point.q + run.setting.scale[:, None] * [1, 0])
@@ -71,7 +71,7 @@ def test_slopes_are_raised_for_such_a_body_alone_and_fade():
     raised, plain = body.Equation(sliding, 0.01), PointwiseEquation(sliding, run.setting.scale, body.stiffness, body.blocks)
     assert np.abs(raised.P - plain.P).max() > 1e-3
     held = NewtonRun(Discretization(Held(), InteriorPenalty(), two_materials.Mesh(4), order=1), None, 1e-10)
-    step.Step(held.body.Evaluate(held.start), held.record, held.tol)
+    step.NewtonStep(held.body.Evaluate(held.start), held.record, held.tol)
     assert [taken.least for taken in held.record.taken] == [None]
 
 

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 
 from .record import Record
-from .step import Step
+from .step import NewtonStep
 from .stiffened import NewtonState, StiffenedBody
 
 FIRST = 0.25        # step of the load
@@ -35,7 +35,7 @@ def RaiseLoad(body: StiffenedBody, record: Record, tol: float) -> Raised:
         trial = record.Begin(body.Evaluate(state.point, load=load + increment))
         goal, count = ENOUGH * trial.merit, 0
         while trial.merit > goal and count < CORRECTIONS:
-            trial, count = Step(trial, record, tol), count + 1
+            trial, count = NewtonStep(trial, record, tol), count + 1
         if trial.merit > goal:
             increment /= 2
             if increment < LOADSTEP:

@@ -14,7 +14,7 @@ from .diagnosis import Diagnose
 from .pathfollowing import Path
 from .record import PATIENCE, Record
 from .setting import Setting
-from .step import Step
+from .step import NewtonStep
 from .stiffened import NewtonState, StiffenedBody
 
 RENEW = 20          # applications of an inverse that a factorisation without prediction serves at least
@@ -81,7 +81,7 @@ class NewtonRun:
         """States under full load until the steps bring no more."""
         record = self.record
         while not record.Stalled(patience):
-            state = Step(state, record, tol)
+            state = NewtonStep(state, record, tol)
             yield state
             if not record.steps:
                 return

@@ -23,7 +23,7 @@ GAIN = 0.6          # of the merit function, that asks for one more
 DECREASE = 1e-4     # relative decrease of the merit function that a full step must bring
 
 
-def Step(state: NewtonState, record: Record, tol: float) -> NewtonState:
+def NewtonStep(state: NewtonState, record: Record, tol: float) -> NewtonState:
     """The best state that one Newton step leads to, shortened until the merit falls; it is recorded."""
     if state.merit == 0:
         return state

@@ -59,7 +59,7 @@ def StrainError(solution: ContactSolution, displacement: Coefficient) -> float:
     return _Norm(InnerProduct(difference, difference), solution) / size
 
 
-def _Displacement(solution, displacement):
+def _Displacement(solution: Any, displacement: Any) -> Any:
     """The CoefficientFunction u of the dimension of the solution's mesh, else ProblemError."""
     CheckSolution(solution)
     if isinstance(displacement, ContactSolution):
@@ -70,7 +70,7 @@ def _Displacement(solution, displacement):
     return displacement
 
 
-def _Norm(square, solution):
+def _Norm(square: Any, solution: ContactSolution) -> float:
     return float(np.sqrt(max(Integrate(square, solution.disc.mesh, order=2 * solution.disc.order + EXTRA), 0)))
 
 

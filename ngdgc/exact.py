@@ -15,6 +15,7 @@ import numpy as np
 from ngsolve import CF, Sym, exp, specialcf, x, y, z
 
 from .contact.graph import SEPARATION, SLIP, STICK
+from .contracts import Array
 from .data.derivatives import Derivative
 from .exceptions import ProblemError
 from .problem.foundation import Foundation
@@ -39,10 +40,10 @@ class Exact:
 
     problem: ContactProblem
     displacement: Any
-    zones: Callable
+    zones: Callable[[Array], Any]
 
 
-def _Everywhere(zone):
+def _Everywhere(zone: int) -> Callable[[Array], Any]:
     """The zones of a Gamma_C that is of one kind."""
     return lambda points: np.full(len(points), zone)
 
@@ -71,7 +72,7 @@ def Traction(material: Any, u: Any) -> Any:
     return material.Stress(ExactStrain(u)) * specialcf.normal(u.dim)
 
 
-def _Plane(ut, un, dim):
+def _Plane(ut: Any, un: Any, dim: int) -> Any:
     """The vector with components ut along the contact plane, in 3D in the direction OBLIQUE, and un across it."""
     return CF((ut, un)) if dim == 2 else CF((OBLIQUE[0] * ut, OBLIQUE[1] * ut, un))
 
@@ -129,7 +130,7 @@ def Recipe(material: Any, **default: Any) -> HookeMaterial:
     return HookeMaterial(**default) if material is None else material
 
 
-def _Supports(material, u, sides):
+def _Supports(material: HookeMaterial, u: Any, sides: str) -> dict[str, Any]:
     stress, n, walls = Traction(material, u), specialcf.normal(u.dim), WALLS[u.dim]
     if not Among(sides, ("dirichlet", "traction", "roller")):
         raise ProblemError(f"sides is {sides!r}; choose 'dirichlet', 'traction' or 'roller'")

@@ -20,17 +20,17 @@ class LastIterate:
 
     vector: Any
     traction: Any
-    history: list
+    history: list[Any]
     converged: bool
     solver: str
 
 
-def _CheckHistory(solution):
+def _CheckHistory(solution: Any) -> None:
     if not isinstance(getattr(solution, "history", None), list):
         raise ProblemError(f"solution is {solution!r}; give a ContactSolution, whose history the error tells")
 
 
-def _Plain(solution):
+def _Plain(solution: Any) -> LastIterate:
     return LastIterate(solution.vector.copy(), solution.traction.copy(), list(solution.history), solution.converged,
                        solution.solver)
 
@@ -67,7 +67,7 @@ class NotConvergedError(Failure, RuntimeError):
         self.history = solution.history
         self.contraction = contraction
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (str(self), _Plain(self.solution), self.contraction)
 
 
@@ -80,5 +80,5 @@ class SolveInterrupted(KeyboardInterrupt):
         super().__init__(f"interrupted after {len(solution.history)} iterations; the last iterate is its attribute solution")
         self.solution = solution
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (_Plain(self.solution),)

@@ -1,17 +1,23 @@
 """Pictures and files of a solution for other viewers: scenes of NGSolve's viewer on a web page, and VTK for ParaView."""
 
+from __future__ import annotations
+
 import html
+from collections.abc import Sequence
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
 from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, sqrt
 from ngsolve.webgui import Draw
 
+from .contracts import Array
 from .exceptions import ProblemError
 from .mesh.facets import Coordinates, VolumePoints
 from .problem.materials import HookeMaterial
-from .solution.solution import CheckSolution
+from .solution.solution import CheckSolution, ContactSolution
 from .solution.vtkfiles import VERTEX, ElementGrid, WriteUnstructured
 from .tools.calls import ByKeyword
 from .tools.values import Finite
@@ -78,25 +84,25 @@ class Scene:
     network, neither in the notebook nor by the page that `Write` makes.
     """
 
-    def __init__(self, solution, *, scale=1):
+    def __init__(self, solution: ContactSolution, *, scale: float = 1) -> None:
         CheckSolution(solution)
         self.solution, self.scale = solution, Finite(scale, "scale", "give a number, 1 for the displacement as it is")
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"{type(self).__name__}({self.solution!r}, scale={self.scale:g})"
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         """A frame that holds the whole page, for notebooks."""
         return (f'<iframe srcdoc="{html.escape(self.Page())}" title="ngdgc: displacement" loading="lazy" '
                 f'style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>')
 
-    def Write(self, path):
+    def Write(self, path: str | PathLike[str]) -> Path:
         """Write the page to a file; returns its Path."""
         path = Path(path)
         path.write_text(self.Page(), encoding="utf-8")
         return path
 
-    def Page(self):
+    def Page(self) -> str:
         """The text of the page."""
         # The viewer blends positions linearly: between the undeformed body and the deformed one in the same colours.
         states = [_State(self.solution, scale, [self.solution]) for scale in (0, self.scale)]
@@ -111,7 +117,7 @@ class Animation(Scene):
     goes to any of them, and at first the last one is shown.
     """
 
-    def __init__(self, solutions, *, scale=1):
+    def __init__(self, solutions: Sequence[ContactSolution], *, scale: float = 1) -> None:
         self.solutions = list(solutions)
         for number, solution in enumerate(self.solutions, start=1):
             CheckSolution(solution, f"solution {number}")
@@ -120,10 +126,10 @@ class Animation(Scene):
                                f"(dimension, order) {sorted(kinds) or 'none'}; give load steps of one Discretization")
         super().__init__(self.solutions[-1], scale=scale)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Animation({len(self.solutions)} solutions, scale={self.scale:g})"
 
-    def Page(self):
+    def Page(self) -> str:
         states = [_State(solution, self.scale, self.solutions) for solution in self.solutions]
         labels = [f"step {number} of {len(states)}, max |u| = {state['funcmax']:.3g}, deformation x {self.scale:g}"
                   for number, state in enumerate(states, start=1)]
@@ -131,16 +137,16 @@ class Animation(Scene):
 
 
 @ByKeyword
-def WriteHTML(solution, path, *, scale=1):
+def WriteHTML(solution: ContactSolution, path: str | PathLike[str], *, scale: float = 1) -> Path:
     """Write the page of a `Scene`; returns its Path."""
     return Scene(solution, scale=scale).Write(path)
 
 
-def _Degree(solution):
+def _Degree(solution: ContactSolution) -> int:
     return max(solution.disc.order, solution.disc.mesh.GetCurveOrder())
 
 
-def _State(solution, scale, shown):
+def _State(solution: ContactSolution, scale: float, shown: Sequence[ContactSolution]) -> Any:
     """What the viewer draws of a solution, with the camera for all that are shown."""
     mesh = solution.disc.mesh
     if mesh.dim == 3:
@@ -156,7 +162,7 @@ def _State(solution, scale, shown):
                 order=_Degree(solution), colors=COLOURS, **_Camera(shown, scale), **view).GetData()
 
 
-def _Page(states, solution, scale, labels):
+def _Page(states: Any, solution: ContactSolution, scale: float, labels: Any) -> str:
     """NGSolve's page of the last state, with controls to go to the others, which have the same colours."""
     from webgui_jupyter_widgets.html import GenerateHTML
 
@@ -173,13 +179,13 @@ def _Page(states, solution, scale, labels):
     return head + CONTROLS.format(caption=html.escape(caption)) + end + tail
 
 
-def _Points(solution):
+def _Points(solution: ContactSolution) -> tuple[Array, Array]:
     """Coordinates and displacement (n, d) at points all over the body."""
     points = VolumePoints(solution.disc.mesh, CAMERA_ORDER)
     return np.asarray(Coordinates(solution.disc.mesh.dim)(points)), np.asarray(solution.gfu(points))
 
 
-def _Camera(shown, scale):
+def _Camera(shown: Sequence[ContactSolution], scale: float) -> dict[str, Any]:
     """Centre and radius of the view; NGSolve's own frame only the undeformed body."""
     x = np.concatenate([points for x, u in map(_Points, shown) for points in (x, x + scale * u)])
     lower, upper = x.min(axis=0), x.max(axis=0)
@@ -189,7 +195,7 @@ def _Camera(shown, scale):
 
 
 @ByKeyword
-def WriteVTK(solution, path):
+def WriteVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
     """Write a VTK file (.vtu) with every element's own points, so that the jumps of a DG solution are kept.
 
     Fields at the points: `displacement`, 3 components (0, in 2D, appended) [length], ready for ParaView's WarpByVector;
@@ -209,7 +215,7 @@ def WriteVTK(solution, path):
 
 
 @ByKeyword
-def WriteContactVTK(solution, path):
+def WriteContactVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
     """Write a VTK file (.vtu) of the contact points, with what `ContactSolution` has there.
 
     Fields at the points: `pressure`, `friction` (3 components), `bound` [stress]; `penetration`, `slip`, `gap`,
@@ -223,13 +229,13 @@ def WriteContactVTK(solution, path):
     return WriteUnstructured(path, _Spatial(solution.points), [(VERTEX, np.arange(len(solution.points))[:, None])], fields)
 
 
-def _Spatial(vectors):
+def _Spatial(vectors: Array) -> Array:
     """Vectors (n, d) with a third component 0 in 2D, (n, 3)."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
 
 
 @ByKeyword
-def SpatialStress(solution):
+def SpatialStress(solution: ContactSolution) -> Any:
     """C eps(u_h) as a CoefficientFunction (3, 3) [stress].
 
     In 2D the out-of-plane component is that of the material: lam tr(eps) in plane strain, 0 in plane stress, and 0 for an
@@ -244,6 +250,6 @@ def SpatialStress(solution):
 
 
 @ByKeyword
-def VonMises(stress):
+def VonMises(stress: Any) -> Any:
     """sqrt(3/2 s:s) with the deviator s = sigma - tr(sigma)/3 I, for sigma of shape (3, 3) [stress]."""
     return sqrt(1.5 * InnerProduct(stress, stress) - 0.5 * Trace(stress)**2)

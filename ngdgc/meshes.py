@@ -40,7 +40,7 @@ def RectangleMesh(n: int, *, lower: tuple[float, float] = (0, 0), upper: tuple[f
     8
     """
     n = _Check(n, cells, CELLS)
-    (x0, y0), (x1, y1) = lower, upper = _Corners(lower, upper, 2)
+    (x0, y0), (x1, y1) = _Corners(lower, upper, 2)
     CheckCells(n * n * (1 if cells == "quad" else 2))
     return MakeStructured2DMesh(quads=cells == "quad", nx=n, ny=n, flip_triangles=cells == "triangle-flipped",
                                 mapping=lambda s, t: (x0 + s * (x1 - x0), y0 + t * (y1 - y0)))
@@ -60,10 +60,10 @@ def BoxMesh(n: int, *, lower: tuple[float, float, float] = (0, 0, 0), upper: tup
     48
     """
     n = _Check(n, cells, BOXCELLS)
-    lower, upper = _Corners(lower, upper, 3)
+    low, high = _Corners(lower, upper, 3)
     CheckCells(n ** 3 * {"tet": 6, "prism": 2, "hex": 1}[cells])
     return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=n, ny=n, nz=n,
-                                mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(lower, upper, point)))
+                                mapping=lambda *point: tuple(a + t * (b - a) for a, b, t in zip(low, high, point)))
 
 
 @ByKeyword
@@ -118,20 +118,20 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
     raise ProblemError(f"maxh={maxh:g} is too large for the curves of the shape: {folded}")
 
 
-def _Elements(shape, maxh):
+def _Elements(shape: Any, maxh: float) -> float:
     """About how many elements fill a shape, at least those along its faces and edges, which may ask for smaller ones."""
     # Of equal sides: six tetrahedra in a cube of their size, two triangles in a square.
     return max(count * sum(part.mass / max(min(part.maxh, maxh), LEAST) ** dim for part in parts)
                for count, dim, parts in ((6, 3, shape.solids), (2, 2, shape.faces), (1, 1, shape.edges)))
 
 
-def _Check(n, cells, known):
+def _Check(n: Any, cells: Any, known: tuple[str, ...]) -> int:
     if not isinstance(cells, str) or cells not in known:
         raise ProblemError(f"cells is {cells!r}; choose one of {', '.join(known)}{Meant(str(cells), known)}")
     return Integer(n, "n", f"the number of cells per side must be a positive integer of at most {MOST}", most=MOST)
 
 
-def _Corners(lower, upper, dim):
+def _Corners(lower: Any, upper: Any, dim: int) -> tuple[list[float], list[float]]:
     low, high = (Reals(corner, (dim,)) for corner in (lower, upper))
     # NGSolve takes any corners; with upper below lower the elements are inside out, and so are the normals.
     if low is None or high is None or np.any(low >= high):

@@ -16,7 +16,7 @@ import numpy as np
 from ngsolve import CF, IfPos, x, y, z
 
 from .contact.graph import SEPARATION, SLIP, STICK
-from .contracts import Datum
+from .contracts import Array, Datum
 from .data.coefficients import Scalar, ValuesAt
 from .data.derivatives import Derivative
 from .exact import WALLS, BodyForce, CheckDimension, Exact, Recipe
@@ -135,21 +135,21 @@ def Positive(distance: Any, power: int) -> Any:
 class _Traces:
     """un, ut, pressure and shear as CoefficientFunctions of x."""
 
-    def __init__(self, **traces):
+    def __init__(self, **traces: Datum) -> None:
         self.traces = {name: CF(Scalar(value, name)) for name, value in traces.items()}
         self.mesh = RectangleMesh(1)    # to evaluate them on its side y = 0; points of a mesh do not keep it alive
 
-    def _Points(self, at):
+    def _Points(self, at: Array) -> Any:
         return self.mesh(at, np.zeros_like(at))
 
-    def Displacement(self, material, dim):
+    def Displacement(self, material: HookeMaterial, dim: int) -> Any:
         w, s, p, tau = self.traces.values()
         height = y if dim == 2 else z
         along = s + height * (tau / material.mu + Derivative(w, 0, "un"))
         across = -w + height * (-p - material.lam * Derivative(s, 0, "ut")) / (material.lam + 2 * material.mu)
         return CF((along, across)) if dim == 2 else CF((along, 0, across))
 
-    def CheckSmooth(self):
+    def CheckSmooth(self) -> None:
         """Raise ProblemError where a derivative that must be continuous jumps.
 
         Over an interval of length H a continuous piecewise smooth function f changes by H times the mean of f' at its ends, up
@@ -169,7 +169,7 @@ class _Traces:
                                        "body force no function; give a smoother one, such as Positive(x - a, 3)")
                 trace = slope
 
-    def At(self, foundation, at):
+    def At(self, foundation: Foundation, at: Array) -> tuple[Array, ...]:
         """r, p, s, tau at abscissas (n,) and there p_n(r), p_t: arrays (n,)."""
         points = self._Points(at)
         w, s, p, tau = (ValuesAt(value, points, name) for name, value in self.traces.items())
@@ -180,7 +180,7 @@ class _Traces:
             bound = friction.Bound(r, p) * SlipFactor(friction, np.abs(s))[0]
         return r, p, s, tau, expected, bound
 
-    def CheckLaw(self, foundation):
+    def CheckLaw(self, foundation: Foundation) -> None:
         """Raise ProblemError at the first point where a trace violates (2.7)-(2.9)."""
         at = (np.arange(SAMPLES) + 0.5) / SAMPLES
         _, p, s, tau, expected, bound = self.At(foundation, at)
@@ -195,6 +195,6 @@ class _Traces:
                 found = words.format(p=p[i], s=s[i], tau=tau[i], expected=expected[i], bound=bound[i])
                 raise ProblemError(f"the traces violate the law at x = {at[i]:.4g}: {found}; mend the traces or the law")
 
-    def Zones(self, foundation, at):
+    def Zones(self, foundation: Foundation, at: Array) -> Any:
         _, p, s, tau, _, bound = self.At(foundation, at)
         return np.where(p <= 0, SEPARATION, np.where((s != 0) | (np.abs(tau) >= bound), SLIP, STICK))

@@ -64,7 +64,7 @@ class Foundation:
         return CheckLaws(self.compliance, self.friction, depth=depth, slip=slip)
 
 
-def _Has(law, *methods):
+def _Has(law: Any, *methods: str) -> bool:
     """True if the law has these methods of its own, not those of the base classes that only say what is missing."""
     own = [getattr(type(law), method, None) for method in methods]
     return all(callable(method) and method not in (ComplianceLaw.Pressure, ComplianceLaw.PressureDerivative, FrictionLaw.Bound)

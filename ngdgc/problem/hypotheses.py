@@ -5,11 +5,13 @@ A law is any object with the methods of `foundation.ComplianceLaw` or `foundatio
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
-from ..contracts import Compliance, Friction
+from ..contracts import Array, Compliance, Friction
 from ..data.coefficients import Pointwise
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
@@ -24,27 +26,30 @@ GRID = np.concatenate([[0.0], np.logspace(-4, -2, 20, endpoint=False), np.linspa
 PARTS, LEVELS = 8, 7    # an interval is cut into parts again and again where it is steepest
 GROWTH = 1.5        # of the slope over the last three levels that a bounded one does not show; (r)_+^0.93 does
 FLAT = 1e-6         # slopes, relative to largest value over range, that may be round-off of the finest differences
+Function = Callable[[Array], Array]
 
 
-def BoundDerivatives(law, r, p):
+def BoundDerivatives(law: Friction, r: Array, p: Array) -> tuple[Array, Array]:
     """(d Bound/dr, d Bound/dp) of a friction law at points, two arrays (npoints,)."""
     if hasattr(law, "BoundDerivatives"):
-        return tuple(np.broadcast_to(derivative, np.shape(r)) for derivative in law.BoundDerivatives(r, p))
+        byr, byp = law.BoundDerivatives(r, p)
+        return np.broadcast_to(byr, np.shape(r)), np.broadcast_to(byp, np.shape(r))
     bound, derivatives = law.Bound(r, p), []
     for values, shifted in ((r, lambda h: law.Bound(r + h, p)), (p, lambda h: law.Bound(r, p + h))):
         h = 1e-7 * np.maximum(np.abs(values), 1e-8 * (np.abs(values).max(initial=0) or 1))
         derivatives.append((shifted(h) - bound) / h)
-    return tuple(derivatives)
+    return derivatives[0], derivatives[1]
 
 
-def SlipFactor(law, slip):
+def SlipFactor(law: Friction, slip: Array) -> tuple[Array, Array]:
     """(Coefficient, its derivative) of a friction law at slips s >= 0, two arrays (npoints,)."""
     if not hasattr(law, "Coefficient"):
         return np.ones_like(slip), np.zeros_like(slip)
-    return tuple(np.broadcast_to(value, np.shape(slip)) for value in law.Coefficient(slip))
+    factor, derivative = law.Coefficient(slip)
+    return np.broadcast_to(factor, np.shape(slip)), np.broadcast_to(derivative, np.shape(slip))
 
 
-def CheckCompliance(law, npoints, name):
+def CheckCompliance(law: Compliance, npoints: int, name: str) -> None:
     """Check (2.13) and the derivative of a law at `npoints` points, for penetrations from 1e-6 to 1."""
     for r in (-1.0, 0.0):
         p = law.Pressure(np.full(npoints, r))
@@ -65,7 +70,7 @@ def CheckCompliance(law, npoints, name):
             CheckPointwise(law, method, MIXED)
 
 
-def CheckFriction(law, r, p, name):
+def CheckFriction(law: Friction, r: Array, p: Array, name: str) -> None:
     """Check the signs of a friction law and its derivatives at fractions of penetrations r and pressures p (npoints,) > 0."""
     # The pressure of a law that is not defined at these penetrations says nothing about friction.
     p = np.where(np.isfinite(p) & (p > 0), p, 1)
@@ -81,7 +86,7 @@ def CheckFriction(law, r, p, name):
             continue
         for number, (word, Value, start) in enumerate((("penetration", lambda values, p=pressed: law.Bound(values, p), at),
                                                        ("pressure", lambda values, r=at: law.Bound(r, values), pressed))):
-            if _Differs(Value, lambda values, number=number, r=at, p=pressed: law.BoundDerivatives(r, p)[number], start):
+            if _Differs(Value, _DerivativeAt(law, at, pressed, number), start):
                 raise ProblemError(f"{name}: BoundDerivatives differs from the finite difference of Bound by the {word}, at "
                                    f"penetration {at[0]:g} and pressure {pressed[0]:g}; mend one of them, or leave "
                                    "BoundDerivatives out")
@@ -91,7 +96,11 @@ def CheckFriction(law, r, p, name):
         _CheckCoefficient(law, np.ones_like(r), name)
 
 
-def _CheckCoefficient(law, ones, name):
+def _DerivativeAt(law: Any, r: Array, p: Array, number: int) -> Function:
+    return lambda values: law.BoundDerivatives(r, p)[number]
+
+
+def _CheckCoefficient(law: Any, ones: Array, name: str) -> None:
     for slip in (0.0, *SCALES):
         factor, _ = law.Coefficient(slip * ones)
         if np.any(factor < 0) or not np.all(np.isfinite(factor)):
@@ -103,7 +112,7 @@ def _CheckCoefficient(law, ones, name):
         CheckPointwise(law, "Coefficient", MIXED)
 
 
-def _Differs(Value, Derivative, at):
+def _Differs(Value: Function, Derivative: Function, at: Array) -> bool:
     """True if somewhere the derivative is not that of Value at points (npoints,), as far as differences can tell."""
     h = STEP * at
     # A law may overflow, or not be defined, at arguments that never occur.
@@ -137,8 +146,8 @@ class LawReport:
     decrease: np.ndarray
     friction: np.ndarray
     weakening: np.ndarray
-    problems: tuple
-    remarks: tuple
+    problems: tuple[str, ...]
+    remarks: tuple[str, ...]
 
     @property
     def monotone(self) -> bool:
@@ -150,7 +159,7 @@ class LawReport:
         """True if (2.13) holds over the range."""
         return not self.problems
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [f"laws for penetrations up to {self.depth:g} and slips up to {self.slip:g}:",
                  f"  p_n        {_Lipschitz('L_n', self.normal)}, " + ("monotone" if self.monotone else
                                                                        f"not monotone: p_n' >= -{self.decrease.max():.4g}"),
@@ -161,7 +170,7 @@ class LawReport:
         return "\n".join(lines + [f"  remark     {remark}" for remark in self.remarks])
 
 
-def _Lipschitz(symbol, constants):
+def _Lipschitz(symbol: str, constants: Array) -> str:
     return f"Lipschitz, {symbol} = {constants.max():.4g}" if np.all(np.isfinite(constants)) else "not Lipschitz"
 
 
@@ -190,7 +199,7 @@ def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth
     zeros = np.zeros(npoints)
     factor, weakening = np.ones(npoints), zeros
 
-    def Bound(r):
+    def Bound(r: Array) -> Array:
         return zeros if friction is None else factor * friction.Bound(r, compliance.Pressure(r))
 
     if friction is not None:
@@ -206,7 +215,7 @@ def CheckLaws(compliance: Compliance, friction: Friction | None = None, *, depth
     return LawReport(depth, slip, constants[0], constants[1], constants[2], weakening, tuple(problems), tuple(remarks))
 
 
-def _Violations(Pressure, Bound, depth, zeros):
+def _Violations(Pressure: Function, Bound: Function, depth: float, zeros: Array) -> tuple[list[str], list[str]]:
     """(problems, remarks): where p_n and p_t are negative, not finite, or not zero without penetration."""
     problems, remarks = [], []
     for name, Value in (("p_n", Pressure), ("p_t", Bound)):
@@ -226,23 +235,23 @@ def _Violations(Pressure, Bound, depth, zeros):
     return problems, remarks
 
 
-def _Decrease(slopes):
+def _Decrease(slopes: Array) -> Array:
     return np.maximum(-slopes, 0)
 
 
-def _Steepest(Value, length, npoints, Measure):
+def _Steepest(Value: Function, length: float, npoints: int, Measure: Function) -> Array:
     """Largest Measure of slopes of Value over [0, length] at each point, (npoints,), inf where they grow without bound."""
     with np.errstate(all="ignore"):
         nodes = np.broadcast_to(length * GRID[:, None], (len(GRID), npoints))
         flat = FLAT / length * np.nanmax(np.abs([Value(at) for at in nodes]), axis=0)
-        found = []
+        levels = []
         for _ in range(LEVELS):
             slopes = Measure(np.diff([Value(at) for at in nodes], axis=0) / np.diff(nodes, axis=0))
             # Where a value is not finite there is no slope.
             slopes = np.where(np.isfinite(slopes) & (slopes > flat), slopes, 0)
             steepest = slopes.argmax(axis=0)
             low, high = (nodes[steepest + end, np.arange(npoints)] for end in (0, 1))
-            found.append(slopes.max(axis=0))
+            levels.append(slopes.max(axis=0))
             nodes = low + (high - low) * np.linspace(0, 1, PARTS + 1)[:, None]
-    found = np.array(found)
+    found = np.array(levels)
     return np.where(found[-1] > GROWTH * found[LEVELS // 2], np.inf, found.max(axis=0))

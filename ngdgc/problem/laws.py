@@ -249,6 +249,6 @@ class TrescaFriction(_Ranged, FrictionLaw):
         return np.zeros_like(r), np.zeros_like(r)
 
 
-def _Missing(law, method):
+def _Missing(law: Any, method: str) -> ProblemError:
     return ProblemError(f"{type(law).__name__} has no method {method}; write it, arrays (npoints,) -> array (npoints,)")
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -176,10 +176,10 @@ class AnisotropicMaterial:
         return 2 if len(self.voigt) == 3 else 3
 
     @property
-    def _pairs(self):
+    def _pairs(self) -> list[tuple[int, int]]:
         return [(0, 0), (1, 1), (0, 1)] if self.dim == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
 
-    def _Contract(self, strain, entries):
+    def _Contract(self, strain: Any, entries: Any) -> Any:
         strains = [strain[i, j] if i == j else 2 * strain[i, j] for i, j in self._pairs]
         stresses = [sum(c * e for c, e in zip(row, strains)) for row in entries]
         index = {frozenset(pair): number for number, pair in enumerate(self._pairs)}
@@ -212,7 +212,7 @@ class AnisotropicMaterial:
              for i, row in enumerate(self.voigt)]), 2, 0), partial(MaterialWords, mesh, points))
 
     @staticmethod
-    def _CheckMatrices(matrices, Where=lambda values, wrong: ""):
+    def _CheckMatrices(matrices: Array, Where: Callable[..., str] = lambda values, wrong: "") -> None:
         asymmetry = np.abs(matrices - np.swapaxes(matrices, 1, 2)).max()
         # Round-off of entries that are computed, not typed.
         if asymmetry > 1e-12 * np.abs(matrices).max():

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn
@@ -74,12 +74,12 @@ class ContactProblem:
             listing = ", ".join(f"{name}: {dim}" for name, dim in self._Dimensions())
             raise ProblemError(f"the data have different dimensions ({listing}); give all of them the dimension of the mesh")
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         # Mapping proxies are not pickled.
         data = (self.dirichlet, self.roller, self.traction)
         return type(self), (self.material, self.foundation, *map(dict, data), self.bodyforce)
 
-    def _Dimensions(self):
+    def _Dimensions(self) -> Iterator[tuple[str, int]]:
         for name in ("dirichlet", "traction"):
             for region, value in getattr(self, name).items():
                 yield f"{name}[{region!r}]", value.dim
@@ -98,7 +98,7 @@ class ContactProblem:
         raise ProblemError("a ContactProblem has neither mesh nor method, a Discretization has both; "
                            "give Solve(Discretization(problem, method, mesh, order=1))")
 
-    def Regions(self):
+    def Regions(self) -> Iterator[tuple[str, str]]:
         """(kind, region) of every boundary region that is named, in the order of the arguments."""
         for kind in ("dirichlet", "roller", "traction"):
             for region in getattr(self, kind):
@@ -107,7 +107,7 @@ class ContactProblem:
             yield "foundation", foundation.boundary
 
 
-def _Regions(values, name, convert):
+def _Regions(values: Any, name: str, convert: Callable[..., Any]) -> Mapping[str, Any]:
     if values is None:
         return MappingProxyType({})
     if not isinstance(values, Mapping):

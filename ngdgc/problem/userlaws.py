@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ..contracts import Array
 from ..exceptions import ProblemError
 
 VALUES = ("Pressure", "PressureDerivative", "Bound")    # methods that return an array
@@ -20,10 +21,10 @@ class UserLaw:
     All else is the law's own.  Values may be infinite or no number: a law may end at some penetration that never occurs.
     """
 
-    def __init__(self, law):
+    def __init__(self, law: Any) -> None:
         self.law = law
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Any:
         law = object.__getattribute__(self, "law")      # which a copy that is being made has not yet
         value = getattr(law, name)
         return partial(_Call, law, name, value) if name in VALUES + PAIRS else value
@@ -52,7 +53,7 @@ def CheckPointwise(law: Any, method: str, *arguments: Any) -> None:
                            "each entry, and keep no state")
 
 
-def _Call(law, name, method, *arguments):
+def _Call(law: Any, name: str, method: Any, *arguments: Any) -> Any:
     words, shape = f"{type(law).__name__}.{name}", np.broadcast_shapes(*map(np.shape, arguments))
     try:
         # Its own arrays: a law may work in place on what it is given.
@@ -70,7 +71,7 @@ def _Call(law, name, method, *arguments):
     return tuple(_Values(part, shape, words) for part in result)
 
 
-def _Values(result, shape, words):
+def _Values(result: Any, shape: tuple[int, ...], words: str) -> Array:
     """What a method has returned as a float array, (npoints,); a number counts everywhere."""
     values = np.asarray(result)
     if values.dtype.kind == "c":
@@ -86,7 +87,7 @@ def _Values(result, shape, words):
     return np.array(np.broadcast_to(values, shape), dtype=float)
 
 
-def _Kind(result):
+def _Kind(result: Any) -> str:
     if isinstance(result, np.ndarray):
         return f"an array of shape {result.shape} and type {result.dtype}"
     return f"a {type(result).__name__}"

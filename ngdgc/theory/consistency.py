@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from typing import Any
 
 import numpy as np
 from ngsolve import CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf
@@ -60,7 +61,7 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     _CheckPrescribed(disc, displacement)
     stress, v = problem.material.Stress(strain), disc.space.TestFunction()
 
-    def On(region):
+    def On(region: str) -> Any:
         return ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=EXTRA)
 
     residual = Coefficients(InnerProduct(stress, Strain(v)) * dx(bonus_intorder=EXTRA))
@@ -82,7 +83,7 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     return residual
 
 
-def _LiftedConsistency(disc, stress):
+def _LiftedConsistency(disc: Discretization, stress: Any) -> Array:
     """The coefficients of v -> (C eps(u), r_0([v])), for the liftings of the method."""
     order = disc.order if disc.method.liftorder is None else disc.method.liftorder
     lifting = Lifting(disc, order=order)
@@ -91,7 +92,7 @@ def _LiftedConsistency(disc, stress):
     return -(operators.J.T @ (operators.inverseMF @ (operators.N @ projected)))
 
 
-def _ExactStrain(disc, u):
+def _ExactStrain(disc: Discretization, u: Any) -> Any:
     """eps(u) by symbolic differentiation, kept by NGSolve even where it is zero."""
     dim = disc.mesh.dim
     if not isinstance(u, CoefficientFunction) or isinstance(u, GridFunction) or u.dim != dim:
@@ -100,7 +101,7 @@ def _ExactStrain(disc, u):
     return ExactStrain(u) + Parameter(0) * Id(dim)
 
 
-def _CheckPrescribed(disc, u):
+def _CheckPrescribed(disc: Discretization, u: Any) -> None:
     """Raise ProblemError unless u has the values prescribed on Gamma_D and the normal values of the rollers."""
     problem, mesh, n, one = disc.problem, disc.mesh, specialcf.normal(disc.mesh.dim), disc.facets.space.TestFunction()
     size = np.sqrt(Integrate(u * u, mesh) / Integrate(CF(1), mesh))

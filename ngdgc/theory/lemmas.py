@@ -31,7 +31,7 @@ from ..tools.values import Vectors
 ENOUGH = 0.1        # smallest eigenvalue in its own norm from which a form is taken for safely coercive
 
 
-def _TensorJumps(w, s, n):
+def _TensorJumps(w: Any, s: Any, n: Any) -> Any:
     """[v]:[z] for the vector jumps w and s of v and z: sym(w (x) n) : sym(s (x) n)."""
     return 0.5 * (w * s + (w * n) * (s * n))
 
@@ -58,12 +58,12 @@ def NormMatrix(disc: Discretization) -> Any:
         return form.Assemble().mat
 
 
-def _CheckHeld(disc):
+def _CheckHeld(disc: Discretization) -> None:
     if disc.loose:
         raise ProblemError(f"only contact resists {disc.loose}, so |||.||| is no norm; add dirichlet or roller")
 
 
-def _Pencil(disc):
+def _Pencil(disc: Discretization) -> tuple[Any, Any, SparseInverse]:
     """(B_h, N, N^-1) on the free dofs, N the matrix of |||.|||."""
     _CheckHeld(disc)
     free = disc.space.FreeDofs()
@@ -139,11 +139,11 @@ class LiftingBounds:
     upper: np.ndarray
 
     @property
-    def c(self):
+    def c(self) -> float:
         return float(self.lower.min())
 
     @property
-    def C(self):
+    def C(self) -> float:
         return float(self.upper.max())
 
 
@@ -212,7 +212,7 @@ def CriticalPenalty(problem: ContactProblem, method: Any, mesh: Mesh, *, order: 
     return float(safe - 1 / ExtremeEigenvalue(slope, form, SparseInverse(form), "LA"))
 
 
-def _SafePenalty(disc, matrix, slope):
+def _SafePenalty(disc: Discretization, matrix: Any, slope: Any) -> float:
     """A penalty with which B_h is coercive, from B_h for penalty 1 and its derivative."""
     bound = disc.form.bound     # inversely proportional to the penalty; zero: coercive for any
     if np.isfinite(bound):

@@ -19,10 +19,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..contracts import Array
 from ..discretization import Discretization
 from ..exceptions import ProblemError
 from ..linear.equations import CheckDiscretization
-from ..problem.hypotheses import CheckLaws
+from ..problem.hypotheses import CheckLaws, LawReport
 from ..solvers.uzawa.contraction import LargestEigenvalue
 from ..tools.calls import ByKeyword
 
@@ -34,7 +35,7 @@ MAXITER, TOL = 60, 1e-4     # of Lanczos' iteration for the norm
 class UniquenessReport:
     """laws : one `LawReport` for every foundation, with constants at its points;  number : |D^(1/2) S D^(1/2)|, no unit."""
 
-    laws: tuple
+    laws: tuple[LawReport, ...]
     number: float
 
     @property
@@ -47,7 +48,7 @@ class UniquenessReport:
         """True if the theory gives at most one solution within the range; False says nothing."""
         return self.number < 1
 
-    def __str__(self):
+    def __str__(self) -> str:
         lines = [str(report) for report in self.laws]
         lines.append("existence: " + ("by theory" if self.exists else "not covered, (2.13) is violated"))
         lines.append(f"uniqueness: |D^(1/2) S D^(1/2)| = {self.number:.4g}, " +
@@ -94,11 +95,11 @@ def CheckUniqueness(disc: Discretization, *, depth: float | None = None, slip: f
         return UniquenessReport(reports, np.inf)
     across, along = (np.sqrt(constant + bound / 2)[:, None] for constant in (decrease, weakening))
 
-    def Weighted(values):
+    def Weighted(values: Array) -> Array:
         """D^(1/2) applied to (n, d)."""
         return across * contact.Normal(values)[:, None] * contact.normals + along * contact.Tangential(values)
 
-    def Apply(values):
+    def Apply(values: Array) -> Array:
         return Weighted(contact.Displacement(disc.Response(Weighted(values))))
 
     # Smooth and oblique, so that it has a part in every eigenvector of low frequency.

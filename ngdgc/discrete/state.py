@@ -5,8 +5,10 @@ was there is remembered, and compared when it is used.  Parameters are meant to 
 and what it has computed keeps the values that it has read.
 """
 
+from collections.abc import Callable
 from contextlib import contextmanager
 from functools import wraps
+from typing import Any, TypeVar, cast
 from zlib import crc32
 
 import numpy as np
@@ -15,6 +17,8 @@ from ngsolve import CoefficientFunction, GridFunction, Parameter
 
 from ..exceptions import ProblemError
 from ..tools.formula import Plain
+
+Method = TypeVar("Method", bound=Callable[..., Any])
 
 
 def Leaves(function):
@@ -143,13 +147,13 @@ def _Functions(problem):
             yield from ((name, entry) for row in value for entry in row if isinstance(entry, CoefficientFunction))
 
 
-def AsRead(method):
+def AsRead(method: Method) -> Method:
     """A method of what has a `state`, with Parameters as they were when that was made."""
     @wraps(method)
-    def Restored(self, *arguments, **options):
+    def Restored(self: Any, *arguments: Any, **options: Any) -> Any:
         with self.state.Restored():
             return method(self, *arguments, **options)
-    return Restored
+    return cast(Method, Restored)
 
 
 class MeshState:

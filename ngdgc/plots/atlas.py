@@ -1,6 +1,9 @@
 """The atlas of solvers: what they take against stiffness, friction coefficient and mesh size, one line per solver."""
 
+from __future__ import annotations
+
 import math
+from typing import Any
 
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullFormatter, NullLocator
@@ -17,7 +20,7 @@ VARIABLES = {"stiffness": "$k_n/E$ [1/length]", "coefficient": "friction coeffic
 
 
 @ByKeyword
-def AtlasFigure(panels, variable, quantities):
+def AtlasFigure(panels: Any, variable: str, quantities: Any) -> Figure:
     """Rows of the atlas against an attribute of their points, double logarithmic.
 
     panels : {title: list of `atlas.solvers.Row`}, one column of pictures each
@@ -49,21 +52,21 @@ def AtlasFigure(panels, variable, quantities):
     return figure
 
 
-def _At(row, variable):
+def _At(row: Any, variable: str) -> float:
     value = getattr(row.point, variable)
     return 1 / value if variable == "n" else value
 
 
-def _Amount(row, quantity):
+def _Amount(row: Any, quantity: str) -> float:
     """The number drawn; NaN, which interrupts the line, where the solver gave up."""
     return getattr(row, quantity) if row.converged else math.nan
 
 
-def _Marker(solver, colour, marker):
+def _Marker(solver: str, colour: str, marker: str) -> dict[str, Any]:
     return {"color": colour, "marker": marker, "markersize": 5, "markerfacecolor": "none", "label": solver}
 
 
-def _Finish(column, variable, places):
+def _Finish(column: Any, variable: str, places: Any) -> None:
     strip, *pictures = column
     strip.set(ylim=(-len(STYLES) + 0.3, 0.7), yticks=[], xscale="log")
     strip.set_facecolor("#F2F2F2")

@@ -1,5 +1,9 @@
 """Seconds against unknowns."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 
@@ -11,7 +15,7 @@ MARKERS = "o", "s", "^", "D"
 
 
 @ByKeyword
-def GrowthFigure(panels):
+def GrowthFigure(panels: Any) -> Figure:
     """Total time and that of the reference, factorisation and one solve, against the number of unknowns.
 
     panels : {title: {label: list of `bench.solutions.Cost` of growing size}}

@@ -1,10 +1,18 @@
 """Axes, colours and foundation blocks that the figures of a body share."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
-from .curves import Left, OutlinePoints
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
+from ..solution.solution import ContactSolution
+from .curves import Curve, Left, OutlinePoints
 
 # Okabe and Ito's colours, which colour-blind readers tell apart; the foundation is red as in the paper.
 BLUE, ORANGE, VERMILION, GREEN, RED = "#0072B2", "#E69F00", "#D55E00", "#009E73", "#CC3311"
@@ -19,7 +27,7 @@ APART = 4           # texts [pixel]
 NOISE = 1e-12       # tractions that are round-off, relative to the largest
 
 
-def PlaneAxes():
+def PlaneAxes() -> tuple[Figure, Any]:
     figure = Figure(figsize=(7, 5), layout="constrained")
     axes = figure.add_subplot(aspect="equal")
     axes.spines[["top", "right"]].set_visible(False)
@@ -27,7 +35,7 @@ def PlaneAxes():
     return figure, axes
 
 
-def Panel(axes, **settings):
+def Panel(axes: Any, **settings: Any) -> Any:
     """Axes without a frame on the right and on top, over a pale grid."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#DDDDDD", linewidth=0.6)
@@ -35,19 +43,19 @@ def Panel(axes, **settings):
     return axes
 
 
-def HideNoise(axes, solutions):
+def HideNoise(axes: Any, solutions: Iterable[ContactSolution]) -> None:
     """Wide limits for axes that show nothing but round-off of the tractions of some solutions."""
     largest = max(np.abs(solution.traction).max(initial=0) for solution in solutions)
     if np.abs(axes.get_ylim()).max() < NOISE * (largest or 1):
         axes.set_ylim(-1, 1)
 
 
-def Unconverged(solution):
+def Unconverged(solution: ContactSolution) -> str:
     """What the title of a figure adds."""
     return "" if solution.converged else ", NOT CONVERGED"
 
 
-def Frame(axes):
+def Frame(axes: Any) -> Figure:
     """Limits around everything, texts included, and a figure of the same shape."""
     figure = axes.figure
     axes.set(xlabel="x [length]", ylabel="y [length]")
@@ -63,7 +71,7 @@ def Frame(axes):
     return figure
 
 
-def _Part(axes):
+def _Part(axes: Any) -> None:
     """Move texts above or below a body farther away from it until they lie on no earlier one."""
     for number, text in enumerate(axes.texts):
         for other in axes.texts[:number]:
@@ -75,7 +83,7 @@ def _Part(axes):
                 text.set_position(axes.transData.inverted().transform(place))
 
 
-def Thickness(disc, curve):
+def Thickness(disc: DiscreteProblem, curve: Curve) -> float:
     """Of a block behind a curve: a part of the body's extent along the normals, less where it is narrow or would fold."""
     outline = OutlinePoints(disc)
     wanted = THICKNESS * np.ptp(outline @ curve.normals.T, axis=0).mean()
@@ -86,7 +94,7 @@ def Thickness(disc, curve):
     return min(wanted, 0.7 * np.min(np.sum(along[folds]**2, axis=1) / -folding[folds], initial=np.inf))
 
 
-def DrawBlock(axes, curve, gap, thickness, reach=(0, 0)):
+def DrawBlock(axes: Any, curve: Curve, gap: Array, thickness: float, reach: Sequence[float] = (0, 0)) -> None:
     """The block whose surface is x + gap n; pale where it is drawn beyond its ends by `reach` along the tangents [length].
 
     Its back is parallel to Gamma_C, `thickness` below the deepest point: below a steep surface, as a large scale makes one of

@@ -1,11 +1,16 @@
 """Solutions side by side: pressure and friction on common axes, deformed bodies at a common scale."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from ..exceptions import ProblemError
-from ..solution.solution import CheckSolution
+from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.values import Finite
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Panel, Unconverged
@@ -21,7 +26,7 @@ ROW = 3         # deformed bodies in a row
 
 
 @ByKeyword
-def ComparisonFigure(solutions, *, scale=1):
+def ComparisonFigure(solutions: Mapping[str, ContactSolution], *, scale: float = 1) -> Figure:
     """Solutions {label: ContactSolution} of one problem, for example by several methods.
 
     2D: pressure p_n and friction sigma_t along s, as in `ContactFigure`, on common axes, a column for each foundation; below,
@@ -44,20 +49,22 @@ def ComparisonFigure(solutions, *, scale=1):
     return _Maps(solutions) if first.disc.mesh.dim == 3 else _Curves(solutions, scale)
 
 
-def _Kind(solution):
+def _Kind(solution: ContactSolution) -> tuple[Any, ...]:
     return solution.disc.mesh.dim, *(part.foundation.boundary for part in solution.disc.contact.parts)
 
 
-def _Curves(solutions, scale):
+def _Curves(solutions: Mapping[str, ContactSolution], scale: float) -> Figure:
     parts = next(iter(solutions.values())).disc.contact.parts
     rows = -(-len(solutions) // ROW)
     figure = Figure(figsize=(WIDTH, 4.2 + 2.1 * rows), layout="constrained")
-    upper, lower = figure.subfigures(2, 1, height_ratios=[4.2, 2.1 * rows])
+    halves: Any = figure.subfigures(2, 1, height_ratios=[4.2, 2.1 * rows])
+    upper, lower = halves
     grid = upper.subplots(2, len(parts), squeeze=False, sharex="col", sharey="row")
     handles = []
     for number, (label, solution) in enumerate(solutions.items()):
         colour, line, mark = COLOURS[number % len(COLOURS)], LINES[number % len(LINES)], MARKERS[number % len(MARKERS)]
-        style = {"color": colour, "linestyle": line, "marker": mark, "linewidth": 1.2, "markersize": 4, "fillstyle": "none"}
+        style: dict[str, Any] = {"color": colour, "linestyle": line, "marker": mark, "linewidth": 1.2, "markersize": 4,
+                                 "fillstyle": "none"}
         handles.append(Line2D([], [], label=label + Unconverged(solution), **style))
         friction = np.sum(solution.friction * Left(solution.normals), axis=1)
         for column, part in zip(grid.T, parts):
@@ -78,7 +85,7 @@ def _Curves(solutions, scale):
     return figure
 
 
-def _DrawBodies(figure, solutions, scale, rows):
+def _DrawBodies(figure: Any, solutions: Mapping[str, ContactSolution], scale: float, rows: int) -> None:
     columns = min(len(solutions), ROW)
     grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True)
     for axes in grid.ravel()[len(solutions):]:
@@ -93,7 +100,7 @@ def _DrawBodies(figure, solutions, scale, rows):
     figure.supylabel("y [length]", fontsize=10)
 
 
-def _Maps(solutions):
+def _Maps(solutions: Mapping[str, ContactSolution]) -> Figure:
     parts = next(iter(solutions.values())).disc.contact.parts
     figure = Figure(figsize=(WIDTH, 2.5 * len(solutions) + 0.5), layout="constrained")
     grid = figure.subplots(len(solutions), len(parts), squeeze=False, sharex="col", sharey="col")

@@ -1,20 +1,27 @@
 """Contact quantities along Gamma_C."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from ..contact.graph import ZONES
-from ..solution.solution import CheckSolution
+from ..contracts import Array
+from ..problem.foundation import Foundation
+from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS, HideNoise
-from .curves import GAP, Along, Left
+from .curves import GAP, Along, Curve, Left
 from .solid import ContactMaps
 
 
 @ByKeyword
-def ContactFigure(solution, *, slip=False):
+def ContactFigure(solution: ContactSolution, *, slip: bool = False) -> Figure:
     """Pressure, friction and penetration along Gamma_C, and its zones, a column for each foundation.
 
     slip : also draw the tangential displacement u_t [length]
@@ -47,13 +54,13 @@ def ContactFigure(solution, *, slip=False):
             HideNoise(panels[name], [solution])
         _DressContact(column, panels, part.foundation, pieces)
     figure.align_ylabels(grid[:-1])
-    handles = [Line2D([], [], linestyle="--", color="#444444", linewidth=1, label="bounds $\\pm p_t$ of friction")]
-    handles += [Patch(color=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)]
+    handles = [Line2D([], [], linestyle="--", color="#444444", linewidth=1, label="bounds $\\pm p_t$ of friction"),
+               *(Patch(color=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES))]
     figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), frameon=False, columnspacing=1)
     return figure
 
 
-def _DrawZones(axes, pieces, zones):
+def _DrawZones(axes: Any, pieces: Sequence[tuple[Array, Any, Curve]], zones: Any) -> None:
     """A band of colours; each point stands for the stretch up to the middles to its neighbours."""
     start = 0.0
     for s, numbers, curve in pieces:
@@ -64,7 +71,8 @@ def _DrawZones(axes, pieces, zones):
     axes.set_ylabel("zone", rotation=0, ha="right", va="center")
 
 
-def _DressContact(column, panels, foundation, pieces):
+def _DressContact(column: Any, panels: Mapping[str, Any], foundation: Foundation,
+                  pieces: Sequence[tuple[Array, Any, Curve]]) -> None:
     labels = {"p": "pressure\n$p_n$ [stress]", "t": "friction along s\n$\\sigma_t$ [stress]",
               "u": "slip along s\n$u_t$ [length]",
               "r": "penetration\n$u_n - g$ [length]"}

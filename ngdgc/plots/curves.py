@@ -1,11 +1,17 @@
 """Boundary regions of a plane mesh as curves, and outlines of its elements: what the figures are drawn from."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from ngsolve import BND, QUAD, SEGM, TRIG, VOL, ElementId, IntegrationRule, Region, specialcf
 
+from ..contracts import Array
 from ..data.inside import OnBoundary
+from ..discrete.problem import DiscreteProblem
 from ..mesh.facets import REFERENCE_VERTICES, Coordinates
 
 GAP = 1.1   # pieces of Gamma_C follow each other in a plot at this multiple of their length
@@ -25,14 +31,14 @@ class Curve:
     region: Region
 
     @property
-    def s(self):
+    def s(self) -> Array:
         return np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(self.coordinates, axis=0), axis=1))])
 
     @property
-    def closed(self):
+    def closed(self) -> bool:
         return np.allclose(self.coordinates[0], self.coordinates[-1], rtol=0, atol=1e-9 * self.s[-1])
 
-    def Spaced(self, distance, *arrays):
+    def Spaced(self, distance: float, *arrays: Array) -> list[Array]:
         """Coordinates, normals and further arrays (n, m) at the middles of equal parts of about this length [length]."""
         s = self.s
         number = max(round(s[-1] / distance), 1)
@@ -41,7 +47,7 @@ class Curve:
                 for array in (self.coordinates, self.normals, *arrays)]
 
 
-def Curves(disc, region):
+def Curves(disc: DiscreteProblem, region: str) -> list[Curve]:
     """The `Curve`s of a boundary region, curved edges and edges of order > 1 subdivided."""
     mesh, facets = disc.mesh, disc.facets
     number = Intervals(disc) + 1
@@ -51,7 +57,8 @@ def Curves(disc, region):
     coordinates = np.asarray(Coordinates(2)(points.ravel())).reshape(-1, number, 2)
     normals = np.asarray(OnBoundary(specialcf.normal(2), boundary, "normal")(points.ravel())).reshape(-1, number, 2)
     vertices = mesh.ngmesh.Coordinates()
-    following = {}
+    following: dict[int, list[Any]] = {}
+    edge: Sequence[Any]
     for edge in zip(points, coordinates, normals):
         element = mesh[ElementId(BND, int(edge[0]["nr"][0]))]
         facet = facets.space.GetDofNrs(element)[0]
@@ -63,10 +70,11 @@ def Curves(disc, region):
         if inner @ Left(edge[1][-1] - edge[1][0]) < 0:
             ends, edge = ends[::-1], [array[::-1] for array in edge]
         following.setdefault(ends[0], []).append((ends[1], edge))
-    return [Curve(*map(np.concatenate, zip(*edges)), boundary) for edges in _Chains(following)]
+    return [Curve(*[np.concatenate(arrays) for arrays in zip(*edges)], boundary)    # type: ignore[call-arg]
+            for edges in _Chains(following)]
 
 
-def Along(disc, region):
+def Along(disc: DiscreteProblem, region: str) -> Iterator[tuple[Array, Any, Curve]]:
     """(s, numbers of the contact points, curve) sorted along each piece of a foundation; pieces follow each other in s."""
     contact, start = disc.contact, 0.0
     for curve in Curves(disc, region):
@@ -81,7 +89,7 @@ def Along(disc, region):
         start += GAP * curve.s[-1]
 
 
-def _Chains(following):
+def _Chains(following: dict[int, list[Any]]) -> Iterator[list[Any]]:
     """Edges {start: [(end, edge)]} joined into lists, first those that begin somewhere, then closed ones."""
     ends = {end for edges in following.values() for end, _ in edges}
     for vertex in sorted(following, key=lambda start: start in ends):
@@ -93,16 +101,16 @@ def _Chains(following):
             yield chain
 
 
-def Left(vectors):
+def Left(vectors: Array) -> Array:
     return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
 
 
-def Intervals(disc):
+def Intervals(disc: DiscreteProblem) -> int:
     degree = max(disc.order, disc.mesh.GetCurveOrder())
     return 1 if degree == 1 else 2 * degree + 2
 
 
-def ElementOutlines(disc):
+def ElementOutlines(disc: DiscreteProblem) -> Any:
     """Mesh points around every element."""
     number, rules = Intervals(disc), {}
     for et in (TRIG, QUAD):
@@ -113,10 +121,10 @@ def ElementOutlines(disc):
     return disc.mesh.MapToAllElements(rules, VOL)
 
 
-def SplitByElement(points, values):
+def SplitByElement(points: Any, values: Array) -> list[Array]:
     """Values at mesh points, element by element."""
     return np.split(values, np.flatnonzero(np.diff(points["nr"])) + 1)
 
 
-def OutlinePoints(disc):
+def OutlinePoints(disc: DiscreteProblem) -> Array:
     return np.concatenate([curve.coordinates for curve in Curves(disc, ".*")])

@@ -1,11 +1,17 @@
 """The deformed mesh over its foundations."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
 
+from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..mesh.facets import Coordinates
-from ..solution.solution import CheckSolution
+from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.values import Finite
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
@@ -14,7 +20,7 @@ from .solid import DeformedSurface
 
 
 @ByKeyword
-def DeformedFigure(solution, *, scale=1):
+def DeformedFigure(solution: ContactSolution, *, scale: float = 1) -> Figure:
     """The deformed mesh over the foundations, as figures 2 and 4 of the paper.
 
     scale : displacement and gap are drawn at `scale` times their values, so that what overlaps is in contact; 1 is real
@@ -48,7 +54,7 @@ def DeformedFigure(solution, *, scale=1):
     return Frame(axes)
 
 
-def DrawElements(axes, solution, scale):
+def DrawElements(axes: Any, solution: ContactSolution, scale: float) -> Array:
     """The elements, each moved by its own u_h times `scale`, and the undeformed outline; returns u_h (n, 2) around them."""
     points = ElementOutlines(solution.disc)
     u = np.asarray(solution.gfu(points))

@@ -1,13 +1,19 @@
 """The law plot: does the solution obey its law of contact?"""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from ..contact.graph import LEAST, ContactGraph, Distance, Scales
+from ..contact.boundary import ContactBoundary
+from ..contact.graph import LEAST, ContactGraph, Distance, GraphPoint, Scales
 from ..contact.parts import ContactPart, OverParts
-from ..solution.solution import CheckSolution
+from ..contracts import Array
+from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
 from .curves import Left
@@ -20,7 +26,7 @@ LAW = "#999999"
 
 
 @ByKeyword
-def LawFigure(solution):
+def LawFigure(solution: ContactSolution) -> Figure:
     """Pressure over penetration and friction over slip at every contact point, on the graphs of the laws.
 
     Left p_n [stress] over r = u_n - g [length], one colour for each foundation; where data vary along Gamma_C the graphs fill
@@ -50,11 +56,11 @@ def LawFigure(solution):
     return figure
 
 
-def _Colours(contact):
+def _Colours(contact: ContactBoundary) -> list[str]:
     return [FOUNDATION_COLOURS[number % len(FOUNDATION_COLOURS)] for number in range(len(contact.parts))]
 
 
-def _DrawNormal(axes, solution, graph, off):
+def _DrawNormal(axes: Any, solution: ContactSolution, graph: GraphPoint, off: Any) -> None:
     contact, r = solution.disc.contact, solution.penetration
     p = contact.Normal(solution.traction)       # `pressure` is 0 where the law is, even where the traction is not
     deepest, widest = max(r.max(initial=0), 0), max(-r.min(initial=0), 0)
@@ -81,7 +87,7 @@ def _DrawNormal(axes, solution, graph, off):
         axes.set_ylim(-0.1, 1)
 
 
-def _DrawTangential(axes, solution, graph, off, least):
+def _DrawTangential(axes: Any, solution: ContactSolution, graph: GraphPoint, off: Any, least: float) -> None:
     contact, dim = solution.disc.contact, solution.disc.mesh.dim
     direction = Left(contact.normals) if dim == 2 else _Unit(contact.Tangential(graph.q))
     slips, frictions = ([np.sum(contact.Tangential(vectors) * direction, axis=1) for vectors in pair]
@@ -109,7 +115,8 @@ def _DrawTangential(axes, solution, graph, off, least):
     Panel(axes, xlabel=f"slip {along} [length]", ylabel="friction / bound $p_t$ [1]")
 
 
-def _DrawPoints(axes, contact, x, y, lawx, lawy, off, shown):
+def _DrawPoints(axes: Any, contact: ContactBoundary, x: Array, y: Array, lawx: Array, lawy: Array, off: Any,
+                shown: Any) -> None:
     """Points (x, y), crossed where they are off, and tied to (lawx, lawy) on the graph."""
     for part, colour in zip(contact.parts, _Colours(contact)):
         mine = np.flatnonzero((shown & ~off)[part.points]) + part.points.start
@@ -119,6 +126,6 @@ def _DrawPoints(axes, contact, x, y, lawx, lawy, off, shown):
     axes.plot(x[off], y[off], "x", color=VERMILION, markersize=6, gid="off")
 
 
-def _Unit(vectors):
+def _Unit(vectors: Array) -> Array:
     length = np.linalg.norm(vectors, axis=1)
     return vectors / np.where(length > 0, length, 1)[:, None]

@@ -1,24 +1,31 @@
 """The setting of a problem: body, supports, loads and foundations before anything moves."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.figure import Figure
 from ngsolve import VOL
 from scipy.spatial import cKDTree
 
+from ..contracts import Array
 from ..data.coefficients import ValuesAt, VectorsAt
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, PlaneAxes, Thickness
-from .curves import Curves, ElementOutlines, Left, OutlinePoints, SplitByElement
+from .curves import Curve, Curves, ElementOutlines, Left, OutlinePoints, SplitByElement
 from .solid import SettingSurface
 
 ARROW = 0.12        # length of the longest arrow, relative to the body
 
 
 @ByKeyword
-def SettingFigure(disc):
+def SettingFigure(disc: DiscreteProblem) -> Figure:
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 
     Clamped boundaries are hatched, rollers stand on circles, foundations are red blocks, tractions are arrows of a length
@@ -37,8 +44,9 @@ def SettingFigure(disc):
     roles = {name: (kind, region) for kind, region in problem.Regions()
              for name, found in zip(mesh.GetBoundaries(), mesh.Boundaries(region).Mask()) if found}
     symbols = _Symbols(axes, disc)
-    draw = {"dirichlet": symbols.Clamped, "roller": symbols.Roller, "traction": symbols.Traction,
-            "foundation": symbols.Contact, None: symbols.Free}
+    draw: dict[str | None, Callable[..., tuple[str, float]]] = {
+        "dirichlet": symbols.Clamped, "roller": symbols.Roller, "traction": symbols.Traction,
+        "foundation": symbols.Contact, None: symbols.Free}
     for name in dict.fromkeys(mesh.GetBoundaries()):
         kind, region = roles.get(name, (None, None))
         curves = Curves(disc, _Literal(name))
@@ -50,12 +58,12 @@ def SettingFigure(disc):
     return Frame(axes)
 
 
-def _Literal(name):
+def _Literal(name: str) -> str:
     """The regular expression that matches this name only."""
     return "".join(character if character.isalnum() or character == "_" else f"[{character}]" for character in name)
 
 
-def _Span(symbol, values):
+def _Span(symbol: str, values: Array) -> str:
     """Words for values (n,) or (n, d): the value if it is constant, else the range of its size."""
     values = np.where(np.abs(values) > 1e-12 * np.abs(values).max(), values, 0)
     if np.all(np.ptp(values, axis=0) <= 1e-9 * np.abs(values).max()):
@@ -68,11 +76,11 @@ def _Span(symbol, values):
     return f"{symbol} = {values.min():.4g} to {values.max():.4g}"
 
 
-def _Values(at, value, curves, name):
+def _Values(at: Callable[..., Array], value: Any, curves: Sequence[Curve], name: str) -> Array:
     return np.concatenate([at(value, curve.points, name, curve.region) for curve in curves])
 
 
-def _DrawMaterials(axes, disc):
+def _DrawMaterials(axes: Any, disc: DiscreteProblem) -> None:
     """The body, one shade of grey a material."""
     names = disc.mesh.GetMaterials()
     points = ElementOutlines(disc)
@@ -92,32 +100,32 @@ def _DrawMaterials(axes, disc):
 class _Symbols:
     """Draws what is prescribed on boundary curves; a method returns words and the distance [length] it needs outside."""
 
-    def __init__(self, axes, disc):
+    def __init__(self, axes: Any, disc: DiscreteProblem) -> None:
         self.axes, self.disc, self.problem = axes, disc, disc.problem
         self.size = np.ptp(OutlinePoints(disc), axis=0).max()
         largest = max((np.linalg.norm(VectorsAt(value, curve.points, "traction", curve.region), axis=1).max()
                        for region, value in self.problem.traction.items() for curve in Curves(disc, region)), default=0)
         self.arrow = ARROW * self.size / (largest or 1)     # length of arrow per traction
 
-    def _Line(self, curves, colour, width):
+    def _Line(self, curves: Sequence[Curve], colour: str, width: float) -> None:
         for curve in curves:
             self.axes.plot(*curve.coordinates.T, color=colour, linewidth=width, solid_capstyle="round")
 
-    def Free(self, region, curves):
+    def Free(self, region: None, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, "#333333", 1)
         return "free", 0
 
-    def Clamped(self, region, curves):
+    def Clamped(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, "black", 2)
         length = 0.03 * self.size
         for curve in curves:
             x, n = curve.Spaced(length)
-            self.axes.add_collection(LineCollection(np.stack([x, x + length * (n + Left(n))], axis=1), colors="black",
+            self.axes.add_collection(LineCollection([*np.stack([x, x + length * (n + Left(n))], axis=1)], colors="black",
                                                     linewidths=0.9))
         value = _Values(VectorsAt, self.problem.dirichlet[region], curves, "dirichlet")
         return f"prescribed\n{_Span('u', value)}" if np.any(value) else "clamped", length
 
-    def Roller(self, region, curves):
+    def Roller(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, GREEN, 2)
         radius, turn = 0.012 * self.size, np.linspace(0, 2 * np.pi, 25)
         circle = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)
@@ -129,7 +137,7 @@ class _Symbols:
         value = _Values(ValuesAt, self.problem.roller[region], curves, "roller")
         return f"roller\n{_Span('$u_n$', value)}" if np.any(value) else "roller", 3 * radius
 
-    def Traction(self, region, curves):
+    def Traction(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, BLUE, 2)
         clear = 0.015 * self.size
         for curve in curves:
@@ -140,7 +148,7 @@ class _Symbols:
             clear = max(clear, np.abs(np.sum(f * n, axis=1)).max() + 0.015 * self.size)
         return f"traction\n{_Span('$f_2$', _Values(VectorsAt, self.problem.traction[region], curves, 'traction'))}", clear
 
-    def Contact(self, region, curves):
+    def Contact(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, "black", 3)
         foundation = next(foundation for foundation in self.problem.foundation if foundation.boundary == region)
         curve = max(curves, key=lambda curve: curve.s[-1])
@@ -153,7 +161,7 @@ class _Symbols:
         gap = _Values(ValuesAt, foundation.gap, curves, "gap")
         return f"foundation\n{_Span('g', gap)}", g.max() + Thickness(self.disc, curve)
 
-    def BodyForce(self):
+    def BodyForce(self) -> None:
         values = VectorsAt(self.problem.bodyforce, VolumePoints(self.disc.mesh, self.disc.order), "bodyforce")
         mean, largest = values.mean(axis=0), np.linalg.norm(values, axis=1).max()
         corner = self.axes.dataLim.max + [0.08 * self.size, 0]
@@ -162,12 +170,12 @@ class _Symbols:
         self.axes.text(*(corner + [0, 0.6 * ARROW * self.size]), f"body force\n{_Span('$f_1$', values)}", color=VERMILION,
                        fontsize=9, ha="center", va="bottom")
 
-    def _Arrows(self, tails, vectors, colour):
+    def _Arrows(self, tails: Array, vectors: Array, colour: str) -> None:
         self.axes.quiver(*tails.T, *vectors.T, color=colour, angles="xy", scale_units="xy", scale=1, units="inches",
                          width=0.022, headwidth=4.5, headlength=5, headaxislength=4.5, minlength=0.1, zorder=3)
         self.axes.update_datalim(np.concatenate([tails, tails + vectors]))
 
-    def Label(self, curve, clear, words):
+    def Label(self, curve: Curve, clear: float, words: str) -> None:
         (x,), (n,) = curve.Spaced(curve.s[-1])
         n = n / np.linalg.norm(n)
         offsets = curve.coordinates - curve.coordinates.mean(axis=0)

@@ -1,5 +1,10 @@
 """Figures of bodies in space: maps of Gamma_C, the deformed surface, and the setting."""
 
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
 import numpy as np
 from matplotlib.collections import PolyCollection
 from matplotlib.colors import ListedColormap
@@ -9,12 +14,15 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from ngsolve import BND
 
 from ..contact.graph import ZONES
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
 from ..mesh.checks import Sides
 from ..mesh.facets import BoundaryFunction
+from ..solution.solution import ContactSolution
 from .canvas import BLUE, GREEN, RED, ZONE_COLOURS
 
 
-def ContactMaps(solution):
+def ContactMaps(solution: ContactSolution) -> Figure:
     """Pressure, friction and zones at the points of Gamma_C, seen along its mean normal, a row for each foundation."""
     contact = solution.disc.contact
     figure = Figure(figsize=(12, 3.9 * len(contact.parts)), layout="constrained")
@@ -41,7 +49,7 @@ def ContactMaps(solution):
     return figure
 
 
-def DrawMap(axes, solution, here, frame, *, array, **style):
+def DrawMap(axes: Any, solution: ContactSolution, here: slice, frame: Array, *, array: Any, **style: Any) -> Any:
     """A foundation (`here`, the slice of its points) seen along its normal, coloured by the values (n,) at contact points.
 
     A point stands for the part of its face that is nearest to it.  `frame` (2, 3) are the axes; returns the collection.
@@ -60,7 +68,7 @@ def DrawMap(axes, solution, here, frame, *, array, **style):
     return drawn
 
 
-def Cells(polygon, points):
+def Cells(polygon: Array, points: Array) -> list[Array]:
     """The parts of a convex polygon (m, 2) that are nearest to each of the points (n, 2), a list of n polygons."""
     cells = []
     for point in points:
@@ -71,7 +79,7 @@ def Cells(polygon, points):
     return cells
 
 
-def _HalfPlane(polygon, normal, origin):
+def _HalfPlane(polygon: Array, normal: Array, origin: Array) -> Array:
     """The part of a convex polygon where (x - origin).normal <= 0."""
     height, corners = (polygon - origin) @ normal, []
     for a, b, low, high in zip(polygon, np.roll(polygon, -1, axis=0), height, np.roll(height, -1)):
@@ -82,7 +90,7 @@ def _HalfPlane(polygon, normal, origin):
     return np.array(corners).reshape(-1, 2)
 
 
-def DeformedSurface(solution, scale):
+def DeformedSurface(solution: ContactSolution, scale: float) -> Figure:
     """The boundary of the body with each face moved by its own one-sided displacement; Gamma_C in the colours of zones."""
     disc = solution.disc
     corners, moved = BoundaryFunction(disc.facets, solution.gfu)
@@ -101,7 +109,7 @@ def DeformedSurface(solution, scale):
 KINDS = {"dirichlet": "#555555", "roller": GREEN, "traction": BLUE, "foundation": RED, "free": "#D9E5F0"}
 
 
-def SettingSurface(disc):
+def SettingSurface(disc: DiscreteProblem) -> Figure:
     """The boundary of the undeformed body in colours of what acts on it."""
     mesh, points = disc.mesh, disc.mesh.ngmesh.Coordinates()
     kinds = dict.fromkeys(range(len(mesh.GetBoundaries())), "free")
@@ -113,7 +121,7 @@ def SettingSurface(disc):
     return _Surface(faces, [KINDS[kinds[element.index]] for element in elements], "setting", present)
 
 
-def _Surface(faces, colours, title, legend):
+def _Surface(faces: Sequence[Array], colours: Sequence[str], title: str, legend: Mapping[str, str]) -> Figure:
     """Faces (vertices, 3) in space, seen from below, where foundations are."""
     figure = Figure(figsize=(7, 6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
@@ -129,7 +137,7 @@ def _Surface(faces, colours, title, legend):
     return figure
 
 
-def TangentFrame(normal):
+def TangentFrame(normal: Array) -> tuple[Array, Array]:
     """Two orthonormal tangents, the first along the coordinate axis that is most nearly tangential.
 
     A normal within 8 degrees of a coordinate axis is taken for it: the mean of a mesh of a symmetric surface is a bit off.
@@ -144,7 +152,7 @@ def TangentFrame(normal):
     return first, second * np.sign(second[np.abs(second).argmax()])
 
 
-def TangentLabel(axis):
+def TangentLabel(axis: Array) -> str:
     for name, unit in zip("xyz", np.eye(3)):
         if np.allclose(axis, unit):
             return f"{name} [length]"

@@ -1,5 +1,9 @@
 """Errors of studies, one colour and marker per method: against the mesh size, and against lam."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedLocator, NullLocator
@@ -15,7 +19,7 @@ NORMS = (("energy", 0, r"energy error $|u-u_h|_{1,h}$  [(stress length$^d$)$^{1/
 
 
 @ByKeyword
-def ConvergenceFigure(series):
+def ConvergenceFigure(series: Any) -> Figure:
     """Errors of `convergence.Series` against h = 1/n, double logarithmic, with triangles of the slopes k and k + 1.
 
     Edge forms are drawn solid with open markers, lifting forms dashed with small filled ones, which fit into the open ones.
@@ -39,7 +43,7 @@ def ConvergenceFigure(series):
 
 
 @ByKeyword
-def AccuracyFigure(series):
+def AccuracyFigure(series: Any) -> Figure:
     """Relative strain errors of `accuracy.Series` against seconds, double logarithmic, one picture per order."""
     orders = sorted({one.order for one in series})
     figure = Figure(figsize=(2.9 * max(len(orders), 1.6), 3.8), layout="constrained")
@@ -57,7 +61,7 @@ def AccuracyFigure(series):
 
 
 @ByKeyword
-def LockingFigure(sweeps):
+def LockingFigure(sweeps: Any) -> Figure:
     """Relative strain errors of `locking.Sweep`s against lam/mu, mu = 2, double logarithmic, one picture per order."""
     orders = sorted({sweep.order for sweep in sweeps})
     figure = Figure(figsize=(4.5 * max(len(orders), 1.3), 4.6), layout="constrained")
@@ -72,14 +76,14 @@ def LockingFigure(sweeps):
     return figure
 
 
-def _Style(label):
+def _Style(label: str) -> dict[str, Any]:
     colour, marker, size = STYLES[label.split()[0]]
     lifting = label.endswith("lifting")
     return {"color": colour, "marker": marker, "markersize": size / 2 if lifting else size, "linewidth": 1.2,
             "linestyle": "--" if lifting else "-", "markerfacecolor": colour if lifting else "none", "label": label}
 
 
-def _Slope(axes, series, norm, slope):
+def _Slope(axes: Any, series: Any, norm: str, slope: float) -> None:
     """A right-angled triangle with hypotenuse of the slope, below the curves at their two finest meshes."""
     coarse, fine = (1 / n for n in series[0].n[-2:])
     fine = np.sqrt(coarse * fine)       # half the way: steep ones stay clear of the next order's curves
@@ -90,12 +94,12 @@ def _Slope(axes, series, norm, slope):
                   fontsize=9, color="#555555")
 
 
-def _Finish(axes):
+def _Finish(axes: Any) -> None:
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="#DDDDDD", linewidth=0.6)
 
 
-def _Legend(figure):
+def _Legend(figure: Figure) -> None:
     """Every label once, below the pictures."""
     handles = {handle.get_label(): handle for axes in figure.axes for handle in axes.get_legend_handles_labels()[0]}
     figure.legend(handles=list(handles.values()), loc="outside lower center", ncols=5, frameon=False, fontsize=9)

@@ -1,5 +1,9 @@
 """What a sweep took: Newton steps and applications of an inverse against the stiffness of the foundation."""
 
+from __future__ import annotations
+
+from typing import Any
+
 from matplotlib.figure import Figure
 
 from ..tools.calls import ByKeyword
@@ -7,7 +11,7 @@ from .canvas import BLUE, ORANGE, VERMILION
 
 
 @ByKeyword
-def SweepFigure(records):
+def SweepFigure(records: Any) -> Figure:
     """`sweep.Record`s: steps and applications on the finest mesh against k_n/E; failures at the top."""
     figure = Figure(figsize=(9, 4.2), layout="constrained")
     solved, failed = ([r for r in records if bool(r.error) == lost] for lost in (False, True))

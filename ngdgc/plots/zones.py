@@ -1,5 +1,10 @@
 """Zones of contact where they are: along the curve Gamma_C of a plane body, on the surface of a solid."""
 
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.colors import ListedColormap
@@ -7,10 +12,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from ..contact.graph import ZONES
-from ..solution.solution import CheckSolution
+from ..contracts import Array
+from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from .canvas import WIDTH, ZONE_COLOURS, Frame, PlaneAxes, Unconverged
-from .curves import GAP, Along, Curves, OutlinePoints
+from .curves import GAP, Along, Curve, Curves, OutlinePoints
 from .solid import DrawMap, TangentFrame, TangentLabel
 
 COMB = 0.2      # height of the largest pressure, relative to the body
@@ -18,7 +24,7 @@ EDGE = "#222222"
 
 
 @ByKeyword
-def ZonesFigure(solution):
+def ZonesFigure(solution: ContactSolution) -> Figure:
     """Separation, stick and slip on Gamma_C, with the pressure p_n [stress], on the undeformed body [length].
 
     2D: the curve in the colours of the zones, curved and closed ones as they are, and the pressure as a comb along the outward
@@ -40,20 +46,20 @@ def ZonesFigure(solution):
         start = 0.0
         for s, numbers, curve in Along(disc, part.foundation.boundary):
             axes.plot(*curve.coordinates.T, color=EDGE, linewidth=7, solid_capstyle="butt")
-            axes.add_collection(LineCollection(_Stretches(curve, s - start), colors=colours[numbers], linewidths=5,
+            axes.add_collection(LineCollection([*_Stretches(curve, s - start)], colors=colours[numbers], linewidths=5,
                                                capstyle="butt", gid="zones"))
             start += GAP * curve.s[-1]
             feet = disc.contact.coordinates[numbers]
             tips = feet + height * pressure[numbers, None] * disc.contact.normals[numbers]
-            axes.add_collection(LineCollection(np.stack([feet, tips], axis=1), colors=colours[numbers], linewidths=1.2,
-                                               gid="comb"))
+            axes.add_collection(LineCollection([*np.stack([feet, tips], axis=1)], colors=colours[numbers],
+                                               linewidths=1.2, gid="comb"))
             axes.plot(*tips.T, color=EDGE, linewidth=0.8)
     axes.set_title(f"largest pressure $p_n$ = {largest:.4g} [stress]{Unconverged(solution)}", fontsize=10)
     _Legend(figure, solution)
     return Frame(axes)
 
 
-def _Stretches(curve, s):
+def _Stretches(curve: Curve, s: Array) -> Iterator[Any]:
     """The polylines (m, 2) of which each point at s stands for one: up to the middles to its neighbours."""
     ends = np.concatenate([[0], (s[1:] + s[:-1]) / 2, [curve.s[-1]]])
     for low, high in zip(ends[:-1], ends[1:]):
@@ -61,7 +67,7 @@ def _Stretches(curve, s):
         yield np.stack([np.interp(at, curve.s, column) for column in curve.coordinates.T], axis=1)
 
 
-def _Maps(solution):
+def _Maps(solution: ContactSolution) -> Figure:
     contact = solution.disc.contact
     figure = Figure(figsize=(WIDTH, 2.7 * len(contact.parts) + 0.7), layout="constrained")
     grid = figure.subplots(len(contact.parts), 2, squeeze=False, sharex="row", sharey="row")
@@ -79,7 +85,7 @@ def _Maps(solution):
     return figure
 
 
-def _Legend(figure, solution):
+def _Legend(figure: Figure, solution: ContactSolution) -> None:
     sizes = solution.ZoneLengths()
     figure.legend(handles=[Patch(facecolor=colour, edgecolor=EDGE, label=f"{zone} {sizes[zone]:.3g}")
                            for colour, zone in zip(ZONE_COLOURS, ZONES)],

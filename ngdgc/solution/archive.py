@@ -1,7 +1,11 @@
 """A solution in a folder: what is kept of it, and what is compared and verified when it is read again."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import asdict, astuple, fields
+from os import PathLike
+from typing import Any
 
 import numpy as np
 from ngsolve import BilinearForm, LinearForm
@@ -20,7 +24,7 @@ KINDS = {"method": str, "arguments": dict, "order": int, "assembly": str, "inver
 LAW = 1e-6          # difference of a law residual and the one that was recorded, besides a thousandth of it
 
 
-def Keep(solution, folder):
+def Keep(solution: Any, folder: str | PathLike[str]) -> None:
     """Write a ContactSolution into a folder; ProblemError if it could not be read again."""
     disc, method = solution.disc, solution.disc.method
     if type(method) not in METHODS.values():
@@ -38,7 +42,8 @@ def Keep(solution, folder):
     storage.Write(folder, disc.mesh, arrays, words)
 
 
-def Open(folder, problem, added):
+def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any]) -> tuple[DiscreteProblem, dict[str, Any],
+         dict[str, Any]]:
     """(DiscreteProblem, {name: array}, dictionary) of a folder, for a problem and forms that are compared later."""
     mesh, arrays, words = storage.Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", "dofs", *NAMES))
     _CheckArrays(arrays, f"the solution in {folder}")
@@ -62,7 +67,8 @@ def Open(folder, problem, added):
     return disc, arrays, words
 
 
-def Iteration(folder, arrays, words):
+def Iteration(folder: str | PathLike[str], arrays: dict[str, Any], words: dict[str, Any]) -> tuple[list[Step], list[Level],
+              float | None]:
     """([Step], [Level], predicted factor) of what a folder says of the iteration; ProblemError if it says something else."""
     try:
         history = [Step(int(row[0]), row[1], row[2], int(row[3]), row[4]) for row in arrays["history"].tolist()]
@@ -73,7 +79,7 @@ def Iteration(folder, arrays, words):
                            "ContactSolution.Save has left it") from error
 
 
-def Numbering(folder, disc, arrays):
+def Numbering(folder: str | PathLike[str], disc: DiscreteProblem, arrays: dict[str, Any]) -> Any:
     """Which number in the arrays the dofs have, (ndof,): another one where a conforming method's mesh was refined in parts.
 
     Edges are numbered after those of their parents, which have gone from the mesh that was read.
@@ -90,12 +96,12 @@ def Numbering(folder, disc, arrays):
     return numbering
 
 
-def _Dofs(space):
+def _Dofs(space: Any) -> Any:
     """The dofs of all elements, one after the other."""
     return np.concatenate([element.dofs for element in space.Elements()])
 
 
-def Compare(folder, solution, arrays, numbering):
+def Compare(folder: str | PathLike[str], solution: Any, arrays: dict[str, Any], numbering: Any) -> None:
     """Raise ProblemError unless a solution is of the problem whose arrays were kept, and solves it as far as it claims to."""
     for name, values in Fingerprint(solution, arrays["penetration"], arrays["slip"], numbering):
         if Differs(arrays[name], values):
@@ -119,7 +125,7 @@ def Compare(folder, solution, arrays, numbering):
                            "again, and save what Solve returns")
 
 
-def _CheckArrays(arrays, name):
+def _CheckArrays(arrays: dict[str, Any], name: str) -> None:
     """Raise ProblemError unless vector and contact quantities are finite and of shapes that belong together."""
     shapes = {"vector": arrays["loads"].shape, "traction": arrays["points"].shape, "penetration": arrays["points"].shape[:1],
               "slip": arrays["points"].shape[:1], "history": (*arrays["history"].shape[:1], 5)}
@@ -131,7 +137,7 @@ def _CheckArrays(arrays, name):
                                "again, and save what Solve returns")
 
 
-def _On(space, form, name):
+def _On(space: Any, form: Any, name: str) -> Any:
     """An added form on a space: what a function of the space makes, or the integrals of a form on one like it."""
     if isinstance(form, (BilinearForm, LinearForm)):
         other = form.space

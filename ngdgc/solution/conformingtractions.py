@@ -13,13 +13,18 @@ So every part of the body that interfaces and its boundary enclose is in balance
 interface; where C eps(u_h) is exact w is 0.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import VOL, BilinearForm, ElementId, GridFunction, InnerProduct, ds, dx
 
 from ..contact.boundary import TraceMatrix
+from ..contracts import Array
 from ..data.coefficients import LOADBONUS, OnFacets, Unfolded
 from ..mesh.facets import Free, Threads
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
@@ -29,7 +34,7 @@ from .cuts import CutSpace
 from .tractions import FacetFunctions, FacetTractions
 
 
-def ConformingTractions(solution):
+def ConformingTractions(solution: Any) -> FacetTractions:
     """The `FacetTractions` of a solution of the conforming method, on all boundaries with a name.
 
     On Gamma_F it is the traction f_2 and on rollers, which are imposed weakly, the numerical flux, both projected on F_h; on
@@ -56,7 +61,7 @@ def ConformingTractions(solution):
     return FacetTractions(function, facets.interfaces.sign[:, None] * forces, (sides[0], held))
 
 
-def _Given(solution, space):
+def _Given(solution: Any, space: Any) -> Array:
     """Moments (functions, d) of the tractions f_2 and of the numerical fluxes of rollers."""
     disc, mu = solution.disc, space.TestFunction()
     integrals = [part.Flux(solution.gfu) * mu * part.measure for part in disc.form.parts]
@@ -67,7 +72,7 @@ def _Given(solution, space):
     return moments.reshape(disc.mesh.dim, -1).T
 
 
-def _Held(solution, sides, shapes, mass):
+def _Held(solution: Any, sides: list[BoundaryQuadrature], shapes: Any, mass: Any) -> Array:
     """Weighted values w_q lambda (n, d) at the points, the normal that of the first side; 0 off Gamma_D and interfaces."""
     disc, facets, dim = solution.disc, solution.disc.facets, solution.disc.mesh.dim
     facet = facets.boundary[0][sides[0].boundaryelements]
@@ -91,14 +96,14 @@ def _Held(solution, sides, shapes, mass):
     return found
 
 
-def _Smallest(coupling, size, rest, rows):
+def _Smallest(coupling: Any, size: Array, rest: Array, rows: Any) -> Array:
     """The w of least w.(size w) with coupling w = rest, of which the given rows are independent and imply the others."""
     coupling = coupling[rows]
     gram = (coupling @ sp.diags(1 / size) @ coupling.T).tocsc()
     return coupling.T @ sp.linalg.splu(gram).solve(rest[rows]) / size
 
 
-def _Residual(solution, space):
+def _Residual(solution: Any, space: Any) -> Array:
     """R(v) for the functions of the broken space, (ndof,)."""
     disc, v, form = solution.disc, space.TestFunction(), solution.disc.form
     residual = _Elastic(solution, space)
@@ -116,7 +121,7 @@ def _Residual(solution, space):
     return residual
 
 
-def _Elastic(solution, space):
+def _Elastic(solution: Any, space: Any) -> Array:
     """int C eps(u_h):eps(v), (ndof,), by the quadrature of the matrix: that of a linear form is another on curved elements."""
     disc, (u, v), displacement = solution.disc, space.TnT(), GridFunction(space)
     # Not by NGSolve's Set, whose heap large hexahedra overflow.
@@ -130,20 +135,20 @@ def _Elastic(solution, space):
     return product.FV().NumPy().copy()
 
 
-def _Shares(solution, cut):
+def _Shares(solution: Any, cut: CutSpace) -> Array:
     """Forces of added forms on the cut functions: where a dof is cut its parts share them by their elements."""
     elements = np.asarray(cut.parts.sum(axis=0)).ravel()
     return AddedForce(solution)[cut.dofs] * elements / np.bincount(cut.dofs, elements)[cut.dofs]
 
 
-def AddedForce(solution):
+def AddedForce(solution: Any) -> Array:
     """Coefficients (ndof,) of the forces that added forms exert on the body."""
     disc = solution.disc
     force = disc.loads.get(("added", None), np.zeros(disc.space.ndof))
     return force if disc.added.matrix is None else force - disc.added.matrix @ solution.vector
 
 
-def _Contact(solution):
+def _Contact(solution: Any) -> Iterator[tuple[BoundaryQuadrature, Array]]:
     """(quadrature, t at its points (n, d)) of every foundation."""
     disc, start = solution.disc, 0
     for foundation in disc.problem.foundation:
@@ -154,7 +159,7 @@ def _Contact(solution):
         start = end
 
 
-def _AddContact(solution, functions, values, forces):
+def _AddContact(solution: Any, functions: FacetFunctions, values: Array, forces: Array) -> None:
     """Subtract the integrals of t from the forces, and from the values the function that is t at the contact points."""
     numbers = solution.disc.facets.boundary[0]
     for quadrature, traction in _Contact(solution):

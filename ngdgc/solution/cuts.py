@@ -1,8 +1,14 @@
 """Continuous functions cut open along facets: copies of their dofs, one for each side."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import BND, VOL, Discontinuous, ElementId
+
+from ..mesh.facets import Facets
 
 
 class CutSpace:
@@ -21,7 +27,7 @@ class CutSpace:
     slit nothing is cut.
     """
 
-    def __init__(self, space, facets, held):
+    def __init__(self, space: Any, facets: Facets, held: Any) -> None:
         self.broken = Discontinuous(space)
         elements, dofs, copies = self._Copies(space, facets, held)
         number = sp.csr_matrix((np.arange(1, len(copies) + 1), (elements, dofs)), shape=(facets.mesh.ne, space.ndof))
@@ -37,7 +43,7 @@ class CutSpace:
         self.dofs = np.empty(count, dtype=int)
         self.dofs[part] = dofs
 
-    def Independent(self, clamped):
+    def Independent(self, clamped: Any) -> Any:
         """True for functions whose jumps are independent, (m,): the parts of a dof that is not clamped add up to no jump.
 
         clamped : True for the dofs on Gamma_D, over those of the space
@@ -46,7 +52,7 @@ class CutSpace:
         first[np.unique(self.dofs, return_index=True)[1]] = True
         return clamped[self.dofs] | ~first
 
-    def _Copies(self, space, facets, held):
+    def _Copies(self, space: Any, facets: Facets, held: Any) -> Any:
         """(element, dof, dof in the broken space) of every copy of the dofs that live on the held facets."""
         facet, _, vertices = facets.boundary
         boundary = np.flatnonzero(held[facet])

@@ -1,10 +1,18 @@
 """Arrays that tell discrete problems apart: everything that decides the equations, as values at points and on elements."""
 
-import numpy as np
-from ngsolve import CF, Integrate
+from __future__ import annotations
 
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from ngsolve import CF, Integrate, Mesh
+
+from ..contact.boundary import ContactBoundary
 from ..contact.parts import ContactPart, OverParts
+from ..contracts import Array
 from ..data.coefficients import ValuesAt, VectorsAt
+from ..discrete.problem import DiscreteProblem
 from ..mesh.facets import Threads
 from ..mesh.quadrature import BoundaryQuadrature
 
@@ -17,7 +25,7 @@ NAMES = ("points", "gaps", "loads", "energies", "pressures", "bounds", "laws", "
          "traction values", "body forces", "moduli", "added forms", "equations")
 
 
-def Fingerprint(solution, penetration, slip, numbering):
+def Fingerprint(solution: Any, penetration: Array, slip: Array, numbering: Any) -> Iterator[tuple[str, Any]]:
     """(name, array) for all `NAMES`, each computed when it is asked for.
 
     numbering : (ndof,), which number the dofs have in the arrays
@@ -42,7 +50,7 @@ def Fingerprint(solution, penetration, slip, numbering):
     yield "equations", _Products(disc, numbering)
 
 
-def Differs(stored, found):
+def Differs(stored: Any, found: Any) -> bool:
     """True unless two arrays are the same up to round-off, entry by entry.
 
     An array is a column (n,), a table (n, m), or several tables (k, n, m), whose sizes may be far apart.
@@ -60,7 +68,7 @@ def Differs(stored, found):
     return bool(np.any(np.abs(stored - found) > SAME * size + LEAST * largest))
 
 
-def _Laws(contact, penetration, slip):
+def _Laws(contact: ContactBoundary, penetration: Array, slip: Array) -> Array:
     """p_n at some depths, p_t there at rest and at some slips, one table (n, 1) for each: (k, n, 1)."""
     extent = np.ptp(contact.coordinates, axis=0).max()
     depths, slips = (np.concatenate([extent * DEPTHS, PARTS * np.abs(values).max(initial=0)]) for values in (penetration, slip))
@@ -74,9 +82,9 @@ def _Laws(contact, penetration, slip):
     return tables.reshape(-1, len(contact.weights), 1)
 
 
-def _Regions(disc):
+def _Regions(disc: DiscreteProblem) -> Any:
     """What every boundary of the mesh is, (boundaries,) of text: kinds, and the number of the foundation."""
-    kinds = [[] for _ in disc.mesh.GetBoundaries()]
+    kinds: list[list[str]] = [[] for _ in disc.mesh.GetBoundaries()]
     foundations = iter(range(len(disc.problem.foundation)))
     for kind, region in disc.problem.Regions():
         word = f"{kind} {next(foundations)}" if kind == "foundation" else kind
@@ -86,7 +94,7 @@ def _Regions(disc):
     return np.array([" ".join(sorted(words)) for words in kinds])
 
 
-def _Prescribed(disc, kind, at):
+def _Prescribed(disc: DiscreteProblem, kind: str, at: Callable[..., Array]) -> Array:
     """Values of dirichlet, roller or traction on all its regions, in the order of the facets, (n, components)."""
     found = [(BoundaryQuadrature.On(disc.facets, region, ORDER), value, f"{kind}[{region!r}]", disc.mesh.Boundaries(region))
              for region, value in getattr(disc.problem, kind).items()]
@@ -97,13 +105,13 @@ def _Prescribed(disc, kind, at):
     return values[np.argsort(np.concatenate([quadrature.boundaryelements for quadrature, *_ in found]), kind="stable")]
 
 
-def _ByElement(mesh, functions):
+def _ByElement(mesh: Mesh, functions: list[Any]) -> Array:
     """Integrals of scalar CoefficientFunctions over the elements, (ne, functions)."""
     with Threads(mesh):
         return np.array([np.array(Integrate(CF(function), mesh, element_wise=True)) for function in functions]).T
 
 
-def _Material(disc):
+def _Material(disc: DiscreteProblem) -> Array:
     """C applied to one strain without symmetries, integrated over the elements, (ne, d (d + 1)/2)."""
     dim = disc.mesh.dim
     upper = np.triu_indices(dim)
@@ -113,20 +121,20 @@ def _Material(disc):
     return _ByElement(disc.mesh, [stress[int(i), int(j)] for i, j in zip(*upper)])
 
 
-def _Renumbered(vector, numbering):
+def _Renumbered(vector: Array, numbering: Any) -> Array:
     """The coefficients of a vector (ndof,) in the order of the arrays."""
     renumbered = np.empty_like(vector)
     renumbered[numbering] = vector
     return renumbered
 
 
-def _Products(disc, numbering):
+def _Products(disc: DiscreteProblem, numbering: Any) -> Array:
     """x'A y for four pairs of vectors, (4,)."""
     vectors = np.random.default_rng(1).standard_normal((4, 2, disc.space.ndof))[..., numbering]
     return np.array([left @ disc.Multiply(right) for left, right in vectors])
 
 
-def _Added(disc, numbering):
+def _Added(disc: DiscreteProblem, numbering: Any) -> Array:
     """A of the added bilinear forms applied to a vector, and f of the linear ones, two tables (2, ndof, 1), or none."""
     if not disc.added:
         return np.zeros((0, 1, 1))

@@ -1,39 +1,45 @@
 """Forces, mean displacements and tractions on regions of the boundary and on interfaces; displacements at points."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
+from ..contracts import Array
 from ..data.regions import Matching
+from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..tools.values import Vectors
 from .conformingtractions import ConformingTractions
-from .tractions import MeanDisplacement, NumericalTractions
+from .tractions import FacetTractions, MeanDisplacement, NumericalTractions
 
 
-def Tractions(solution):
+def Tractions(solution: Any) -> FacetTractions:
     """`FacetTractions` of a solution of any method."""
     return (NumericalTractions if solution.disc.method.discontinuous else ConformingTractions)(solution)
 
 
-def Force(solution, region, material=None):
+def Force(solution: Any, region: str, material: str | None = None) -> Array:
     """The force through a region, (d,); see `ContactSolution.Force`."""
     on = SidesOf(solution.disc, region)
     signs = _Outward(solution.disc, region, on) if material is None else _Side(solution.disc, region, on, material)
     return signs @ solution.facettractions.forces[on]
 
 
-def TractionOn(solution, region):
+def TractionOn(solution: Any, region: str) -> Any:
     """The traction on a region as a CoefficientFunction; see `ContactSolution.Traction`."""
     SidesOf(solution.disc, region)
     return solution.facettractions.function
 
 
-def Mean(solution, region):
+def Mean(solution: Any, region: str) -> Array:
     """The mean displacement of a region, (d,); see `ContactSolution.Mean`."""
     SidesOf(solution.disc, region)
     return MeanDisplacement(solution.disc, solution.gfu, region)
 
 
-def DisplacementAt(solution, point):
+def DisplacementAt(solution: Any, point: tuple[float, ...]) -> Array:
     """The displacement at a point of the body, (d,); see `ContactSolution.At`."""
     mesh, dim = solution.disc.mesh, solution.disc.mesh.dim
     place = Vectors(point, (dim,), "point", f"give its {dim} coordinates, such as At({', '.join('0' * dim)})").tolist()
@@ -47,7 +53,7 @@ def DisplacementAt(solution, point):
                            "body") from error
 
 
-def SidesOf(disc, region):
+def SidesOf(disc: DiscreteProblem, region: str) -> Any:
     """Numbers of the facets of a boundary region; ProblemError if there are none."""
     Matching(disc.mesh, region, "boundary")
     found = np.flatnonzero(disc.facets.On(region))
@@ -57,7 +63,7 @@ def SidesOf(disc, region):
     return found
 
 
-def _Outward(disc, region, on):
+def _Outward(disc: DiscreteProblem, region: str, on: Any) -> Array:
     """Signs (n,) of the forces on facets without a material: on the body, or on the side whose normal an interface has."""
     interfaces, within = disc.facets.interfaces, disc.facets.neighbours[on] > 1
     if within.any() and not within.all():
@@ -70,7 +76,7 @@ def _Outward(disc, region, on):
     return np.ones(len(on))
 
 
-def _Side(disc, region, on, material):
+def _Side(disc: DiscreteProblem, region: str, on: Any, material: str) -> Array:
     """Signs (n,) of the forces on the part of the body that is of a material."""
     chosen = Matching(disc.mesh, material, "material", kind="material")
     own, beyond = disc.facets.interfaces.materials[on].T

@@ -1,5 +1,8 @@
 """What is recorded of an iteration: its steps, its rates, and what every mesh of a nested one took."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 
@@ -39,7 +42,7 @@ class ContractionRates:
     observed: float | None
 
 
-def ObservedRate(history):
+def ObservedRate(history: Sequence[Step]) -> float | None:
     """`Rates.observed` of a list of Steps."""
     changes = [step.change for step in history]
     count = min(10, len(changes) // 2)

@@ -1,9 +1,14 @@
 """A solution as a page of text and as a dictionary of plain numbers."""
 
+from __future__ import annotations
+
 from dataclasses import asdict
+from typing import Any
 
 import numpy as np
 
+from ..contracts import Array
+from ..problem.problem import ContactProblem
 from ..tools.formula import Formula
 
 LINE = 78
@@ -32,7 +37,7 @@ SCHEMA = {
 }
 
 
-def JsonValue(value):
+def JsonValue(value: Any) -> Any:
     """The value in types that JSON has: numbers that are not finite, which it has not, become None."""
     if isinstance(value, dict):
         return {key: JsonValue(entry) for key, entry in value.items()}
@@ -43,7 +48,7 @@ def JsonValue(value):
     return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
-def Summary(solution):
+def Summary(solution: Any) -> dict[str, Any]:
     """The numbers of the report, as the `SCHEMA` says."""
     from importlib.metadata import version      # slow to import
 
@@ -79,30 +84,30 @@ def Summary(solution):
     return summary
 
 
-def _Data(problem):
+def _Data(problem: ContactProblem) -> dict[str, Any]:
     """Supports and loads as they are written, those too of which there are none."""
     data = {name: {region: Formula(value) for region, value in getattr(problem, name).items()}
             for name in ("dirichlet", "roller", "traction")}
     return {**data, "bodyforce": problem.bodyforce and Formula(problem.bodyforce)}
 
 
-def _Range(values):
+def _Range(values: Array) -> dict[str, float]:
     return {"smallest": float(np.min(values)), "largest": float(np.max(values))}
 
 
-def Report(solution):
+def Report(solution: Any) -> str:
     """A page of text."""
     numbers = Summary(solution)
     return "\n".join([_Head(numbers), "", *_Iteration(numbers), "", *_Contact(numbers), "", *_Forces(numbers), ""])
 
 
-def _Head(numbers):
+def _Head(numbers: dict[str, Any]) -> str:
     title = f"{numbers['options']}, order {numbers['order']}, {numbers['dimension']}D"
     size = f"{numbers['elements']} elements, {numbers['dofs']} unknowns, {numbers['contact_points']} contact points"
     return f"{title}\n{size}\n{'=' * LINE}"
 
 
-def _Iteration(numbers):
+def _Iteration(numbers: dict[str, Any]) -> list[str]:
     if numbers["change"] is None:
         return [numbers["solver"] or "no iteration recorded"]
     state = "converged" if numbers["converged"] else "NOT CONVERGED: the numbers below are those of the last iterate"
@@ -113,19 +118,19 @@ def _Iteration(numbers):
             *_Rates(numbers["contraction"]), *_Levels(numbers["levels"])]
 
 
-def _Rates(rates):
+def _Rates(rates: dict[str, Any]) -> list[str]:
     found = [f"{name} {rates[name]:.4g}" for name in ("predicted", "observed") if rates[name] is not None]
     return [f"  contraction per iteration: {', '.join(found)}"] if found else []
 
 
-def _Levels(levels):
+def _Levels(levels: list[dict[str, Any]]) -> list[str]:
     return [f"  mesh {number}: {level['dofs']} unknowns, {level['points']} contact points, {level['iterations']} iterations, "
             f"{level['solves']} linear solves, {level['seconds']:.2f} s ({level['factorisation']:.2f} s factorising)"
             f"{'' if level['converged'] else ', not converged'}"
             for number, level in enumerate(levels, start=1)]
 
 
-def _Contact(numbers):
+def _Contact(numbers: dict[str, Any]) -> list[str]:
     length = "length" if numbers["dimension"] == 2 else "area"
     total = sum(numbers["zones"].values())
     zones = ",  ".join(f"{name} {size:.4g} ({100 * size / total:.0f} %)" for name, size in numbers["zones"].items())
@@ -137,7 +142,7 @@ def _Contact(numbers):
             f"Elastic energy {numbers['elastic_energy']:.6g}"]
 
 
-def _Forces(numbers):
+def _Forces(numbers: dict[str, Any]) -> list[str]:
     dim = numbers["dimension"]
     axes = "xyz"[:dim]
     columns = [f"F_{axis}" for axis in axes] + (["moment"] if dim == 2 else [f"M_{axis}" for axis in axes])
@@ -156,5 +161,5 @@ def _Forces(numbers):
     return [*rows, balance]
 
 
-def _Row(label, modes):
+def _Row(label: str, modes: Any) -> str:
     return f"  {label:<24}" + "".join(f"{mode:>13.5g}" for mode in modes)

@@ -4,12 +4,18 @@ Everything is tested with the rigid motions as functions of V_h, so that a discr
 element, from its numerical fluxes; H1 globally, from tractions that its residual corrects (`conformingtractions`).
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
 from ..linear.motions import ProjectedMotions
 from ..mesh.facets import Free, RigidMotionsAt, VolumePoints
 from ..methods.symbolform import Coefficients
@@ -35,25 +41,25 @@ class Resultant:
     region: str | None
     force: np.ndarray
     moment: np.ndarray
-    integrated: tuple | None = None
+    integrated: tuple[Array, Array] | None = None
 
 
 @ByKeyword
-def RigidBasis(space):
+def RigidBasis(space: Any) -> Array:
     """Coefficients in V_h of the rigid motions, (modes, ndof)."""
     return ProjectedMotions(space, np.zeros(space.mesh.dim))
 
 
 @ByKeyword
-def Resultants(solution):
+def Resultants(solution: Any) -> list[Resultant]:
     """The list of `Resultant`s of a solution: supports, tractions, foundations and body force, in the order of the problem."""
     disc, dim = solution.disc, solution.disc.mesh.dim
     basis = RigidBasis(disc.space)
 
-    def Split(modes):
+    def Split(modes: Array) -> tuple[Array, Array]:
         return modes[:dim], modes[dim:]
 
-    found = [Resultant("dirichlet", region, *Split(modes), integrated=Split(basis @ stress))
+    found = [Resultant("dirichlet", region, *Split(modes), Split(basis @ stress))
              for region, modes, stress in _StrongReactions(solution)]
     found += [Resultant("roller" if region in disc.problem.roller else "dirichlet", region, *Split(basis @ flux))
               for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
@@ -70,7 +76,7 @@ def Resultants(solution):
     return found
 
 
-def _StrongReactions(solution):
+def _StrongReactions(solution: Any) -> Iterator[tuple[str, Array, Array]]:
     """(region, modes of the reaction, int C eps(u) n.v as coefficients), for regions with strongly imposed displacement."""
     disc = solution.disc
     if disc.method.discontinuous or not disc.problem.dirichlet:
@@ -90,14 +96,14 @@ def _StrongReactions(solution):
 
 
 @ByKeyword
-def GlobalImbalance(solution):
+def GlobalImbalance(solution: Any) -> float:
     """Largest component of the sum of all forces and moments, relative to the largest single one or to `ElasticForce`."""
     modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in solution.Resultants()])
     return float(np.abs(modes.sum(axis=0)).max() / max(np.abs(modes).max(), ElasticForce(solution)))
 
 
 @ByKeyword
-def EquilibriumResidual(disc, vector, traction):
+def EquilibriumResidual(disc: DiscreteProblem, vector: Array, traction: Array) -> float:
     """|A u - f + T' W t| of coefficients u (ndof,) and tractions t (n, d), Euclidean norm on the free dofs, relative.
 
     To the largest of A u, f and T' W t, or to NEGLIGIBLE |diag(A) u| if that is more: of a nearly rigid motion of a stiff body
@@ -111,7 +117,7 @@ def EquilibriumResidual(disc, vector, traction):
 
 
 @ByKeyword
-def ElasticForce(solution):
+def ElasticForce(solution: Any) -> float:
     """mu max|u| L^(d-2), L the size of the body: forces far below it are round-off of a body that nothing loads."""
     disc = solution.disc
     vertices = disc.facets.vertices
@@ -122,7 +128,7 @@ def ElasticForce(solution):
 
 
 @ByKeyword
-def ElementImbalance(solution):
+def ElementImbalance(solution: Any) -> Array:
     """Force and moment that the numerical fluxes leave unbalanced on each element, (elements, modes), DG only.
 
     On element K: int_dK sigma_hat n_K.r + int_K f_1.r for the rigid motions r, with sigma_hat the numerical flux between

@@ -1,21 +1,27 @@
 """What a solver returns: fields, contact quantities, resultants, history."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
 from functools import cached_property
+from os import PathLike
+from typing import Any
 
 import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
-from ..contact.graph import ZONES, Distance
-from ..discrete.state import AsRead
+from ..contact.graph import ZONES, Distance, GraphDistance
+from ..contracts import Array
+from ..discrete.state import AsRead, State
 from ..exceptions import ProblemError
 from ..methods.fluxes import Flux
 from ..problem.materials import Strain
 from ..tools.calls import ByKeyword
 from . import archive
 from .forces import DisplacementAt, Force, Mean, TractionOn, Tractions
-from .history import ContractionRates, ObservedRate
+from .history import ContractionRates, Level, ObservedRate, Step
 from .report import JsonValue, Report, Summary
-from .resultants import ElementImbalance, EquilibriumResidual, GlobalImbalance, Resultants
+from .resultants import ElementImbalance, EquilibriumResidual, GlobalImbalance, Resultant, Resultants
 
 
 @ByKeyword
@@ -36,136 +42,138 @@ class ContactSolution:
     (n,) come with them.
     """
 
-    def __init__(self, disc, vector, traction, *, history=(), converged=True, solver="", Predict=None):
+    def __init__(self, disc: Any, vector: Any, traction: Any, *, history: Iterable[Step] = (), converged: bool = True,
+                 solver: str = "", Predict: Callable[[], float | None] | None = None) -> None:
         self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
         self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
-        self.levels, self.case = [], None
+        self.levels: list[Level] = []
+        self.case: str | None = None
 
     @property
-    def state(self):
+    def state(self) -> State:
         """The `State` of mesh and data that the solution belongs to."""
         return self.disc.state
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         state = "" if self.converged else "not "
         return f"ContactSolution({self.disc!r}, {state}converged after {len(self.history)} iterations)"
 
-    def __reduce_ex__(self, protocol):
+    def __reduce_ex__(self, protocol: Any) -> Any:
         raise ProblemError("a ContactSolution belongs to a mesh and a factorised matrix, which are not copied or pickled; take "
                            "Save(folder) and ContactSolution.Load(folder, problem), or its arrays, such as traction")
 
     @property
-    def gfu(self):
+    def gfu(self) -> Any:
         """u_h, a GridFunction; discontinuous ones have no values on boundaries: `Mean`, or BoundaryFromVolumeCF(gfu)."""
         self.state.CheckMesh()
         return self._gfu
 
     @cached_property
-    def _gfu(self):
+    def _gfu(self) -> Any:
         function = GridFunction(self.disc.space, "u")
         function.vec.FV().NumPy()[:] = self.vector
         return function
 
     @cached_property
-    def rates(self):
+    def rates(self) -> ContractionRates:
         """`ContractionRates`; the prediction costs at most 20 linear solves, and no more than the iteration took."""
         return ContractionRates(self.Predict and self.Predict(), ObservedRate(self.history))
 
     @property
-    def strain(self):
+    def strain(self) -> Any:
         """eps(u_h), CoefficientFunction (d, d)."""
         return Strain(self.gfu)
 
     @property
-    def stress(self):
+    def stress(self) -> Any:
         """C eps(u_h), CoefficientFunction (d, d) [stress], in the elements; on boundaries take `Force` or `Traction`."""
         self.state.CheckMaterial()
         return self.disc.problem.material.Stress(self.strain)
 
     @cached_property
     @AsRead
-    def flux(self):
+    def flux(self) -> Any:
         """The numerical flux sigma_hat n on every facet, a GridFunction (d,) [stress]; see `fluxes.Flux`.  DG only."""
         return Flux(self)
 
     @property
-    def points(self):
+    def points(self) -> Array:
         return self.disc.contact.coordinates
 
     @property
-    def normals(self):
+    def normals(self) -> Array:
         return self.disc.contact.normals
 
     @property
-    def weights(self):
+    def weights(self) -> Array:
         return self.disc.contact.weights
 
     @cached_property
-    def displacement(self):
+    def displacement(self) -> Array:
         """u_h at the contact points, (n, d) [length]."""
         return self.disc.contact.Displacement(self.vector)
 
     @property
-    def penetration(self):
+    def penetration(self) -> Array:
         """r = u_n - g, (n,) [length]; positive inside the foundation."""
         return self.disc.contact.Penetration(self.displacement)
 
     @property
-    def slip(self):
+    def slip(self) -> Array:
         """u_t, (n, d) [length]."""
         return self.disc.contact.Tangential(self.displacement)
 
     @cached_property
-    def _graph(self):
+    def _graph(self) -> GraphDistance:
         return Distance(self.disc.contact, self.displacement, self.traction)
 
     @property
-    def pressure(self):
+    def pressure(self) -> Array:
         """-sigma_n = p_n, (n,) [stress]; exactly 0 in separation and positive elsewhere, which `traction` is to round-off."""
         return self._graph.pressure
 
     @property
-    def friction(self):
+    def friction(self) -> Array:
         """sigma_t, the friction traction on the body, (n, d) [stress]; it acts against u_t, and is exactly 0 where p_t is."""
         return 0 - self._graph.friction
 
     @property
-    def bound(self):
+    def bound(self) -> Array:
         """p_t, (n,) [stress]."""
         return self.disc.contact.Bound(self.penetration, self.disc.contact.Slip(self.displacement))
 
     @property
-    def zones(self):
+    def zones(self) -> Any:
         """0 separation, 1 stick, 2 slip at the contact points, (n,); names in `ngdgc.contact.graph.ZONES`."""
         return self._graph.zones
 
-    def ZoneLengths(self):
+    def ZoneLengths(self) -> dict[str, float]:
         """Length (2D) or area (3D) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""
         return {name: float(self.weights[self.zones == number].sum()) for number, name in enumerate(ZONES)}
 
     @cached_property
     @AsRead
-    def energy(self):
+    def energy(self) -> float:
         """Elastic energy, half of int C eps(u_h):eps(u_h) over the elements [stress length^d]."""
         return float(Integrate(0.5 * InnerProduct(self.stress, self.strain), self.disc.mesh, order=2 * self.disc.order + 2))
 
     @cached_property
-    def normalforce(self):
+    def normalforce(self) -> float:
         """int_GammaC p_n [stress length^(d-1)]."""
         return float(self.weights @ self.pressure)
 
-    def At(self, *point):
+    def At(self, *point: float) -> Array:
         """u_h at a point of the body, (d,) [length]; ProblemError for a point outside of it."""
         return DisplacementAt(self, point)
 
     @cached_property
     @AsRead
-    def facettractions(self):
+    def facettractions(self) -> Any:
         """`tractions.FacetTractions`: tractions on all boundaries and interfaces, and their integrals over the facets."""
         return Tractions(self)
 
     @AsRead
-    def Force(self, region, *, material=None):
+    def Force(self, region: str, *, material: str | None = None) -> Array:
         """Force on the body through a boundary region, (d,) [stress length^(d-1)]: loads, reactions and contact alike.
 
         The integral of `Traction`, in balance to round-off; forces of added forms are not in it.  With `material`, a regular
@@ -184,12 +192,12 @@ class ContactSolution:
         """
         return Force(self, region, material)
 
-    def Mean(self, region):
+    def Mean(self, region: str) -> Array:
         """Mean displacement of a boundary region, (d,) [length]; inside the body the mean of both sides."""
         return Mean(self, region)
 
     @AsRead
-    def Traction(self, region):
+    def Traction(self, region: str) -> Any:
         """sigma n on a boundary region, a CoefficientFunction (d,) [stress] for boundary integrals and boundary points.
 
         The numerical flux `flux`, or of Conforming C eps(u_h) n corrected to balance (`conformingtractions`), f_2 and -t.
@@ -198,41 +206,41 @@ class ContactSolution:
         """
         return TractionOn(self, region)
 
-    def Resultants(self):
+    def Resultants(self) -> list[Resultant]:
         """Force and moment of every support, load and foundation, a list of `Resultant`."""
         return self._resultants
 
     @cached_property
     @AsRead
-    def _resultants(self):
+    def _resultants(self) -> list[Resultant]:
         return Resultants(self)
 
-    def GlobalImbalance(self):
+    def GlobalImbalance(self) -> float:
         """Largest component of the sum of all forces and moments, relative to the largest one."""
         return GlobalImbalance(self)
 
     @AsRead
-    def ElementImbalance(self):
+    def ElementImbalance(self) -> Array:
         """Unbalanced force and moment per element, (elements, 3 or 6), relative; DG only, H1 balances globally."""
         return ElementImbalance(self)
 
     @AsRead
-    def EquilibriumResidual(self):
+    def EquilibriumResidual(self) -> float:
         """|A u - f + T' W t| relative to its terms, no unit: how well the linear equations are solved."""
         return EquilibriumResidual(self.disc, self.vector, self.traction)
 
-    def Report(self):
+    def Report(self) -> str:
         """A page of text: what was solved, how the iteration went, what happens on Gamma_C, forces and balance."""
         return Report(self)
 
-    def ToJSON(self):
+    def ToJSON(self) -> dict[str, Any]:
         """The numbers of the report as a dictionary of plain types, for json.dump; `report.SCHEMA` says what they are.
 
         Numbers that are not finite, which JSON has not, are None.
         """
         return JsonValue(Summary(self))
 
-    def Save(self, folder):
+    def Save(self, folder: str | PathLike[str]) -> None:
         """Write mesh, coefficients, traction, history and summary into `folder` (vol.gz, npz, json; no pickle).
 
         With them goes what tells the discrete problem from others: regions, data at points, laws at several depths and slips.
@@ -243,7 +251,7 @@ class ContactSolution:
             archive.Keep(self, folder)
 
     @classmethod
-    def Load(cls, folder, problem, *, added=()):
+    def Load(cls, folder: str | PathLike[str], problem: Any, *, added: Sequence[Any] = ()) -> ContactSolution:
         """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again.
 
         added : the forms that `disc.Add` was given, as forms on a space of the same mesh, method and order, or as functions of
@@ -262,7 +270,7 @@ class ContactSolution:
         return solution
 
 
-def CheckSolution(solution, name="solution"):
+def CheckSolution(solution: Any, name: str = "solution") -> None:
     """Raise ProblemError unless it is a ContactSolution."""
     if not isinstance(solution, ContactSolution):
         raise ProblemError(f"{name} is {solution!r}; give a ContactSolution, which Solve(disc) returns")

@@ -6,19 +6,25 @@ fields.npz : arrays;  solution.json : the description, with SHA-256 digests of t
     that a file that was edited or damaged is told from one that was saved; Netgen reads no other
 """
 
+from __future__ import annotations
+
 import hashlib
 import json
 import os
 import reprlib
 import tempfile
+from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from numbers import Integral
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from ngsolve import IntegrationRule, Mesh
 
+from ..contracts import Array
 from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, SecondOrder, VolumePoints
 from ..mesh.quadrature import BOUNDARY_TYPES
@@ -28,7 +34,7 @@ FILES = EXACT, MESH, FIELDS, WORDS = "mesh.vol.bin", "mesh.vol.gz", "fields.npz"
 NEAR = 1e-9     # distance, relative to the body, of points that are the same in a mesh and in its file
 
 
-def Write(folder, mesh, arrays, description):
+def Write(folder: str | PathLike[str], mesh: Mesh, arrays: dict[str, Any], description: dict[str, Any]) -> None:
     """Write mesh, {name: array} and a JSON-serialisable dictionary into `folder`, which is created.
 
     The files take their names when all are complete and the mesh was read back: what was in the folder stays if that fails.
@@ -40,14 +46,15 @@ def Write(folder, mesh, arrays, description):
     words = {"format": FORMAT, **description, "ngsolve": version("ngsolve"), "secondorder": SecondOrder(mesh)}
     # default: numpy numbers and fractions among the arguments of a method
     words = json.loads(json.dumps(words, default=lambda value: int(value) if isinstance(value, Integral) else float(value)))
-    with _Replacing(folder) as place:
+    with _Replacing(Path(folder)) as place:
         _WriteMesh(mesh, place)
         np.savez_compressed(place / FIELDS, **arrays)
         words["digests"] = _Digests(place, words)
         (place / WORDS).write_text(json.dumps(words, indent=2) + "\n", encoding="utf-8")
 
 
-def Read(folder, kinds, names):
+def Read(folder: str | PathLike[str], kinds: dict[str, type], names: tuple[str, ...]) -> tuple[Mesh, dict[str, Any],
+         dict[str, Any]]:
     """(mesh, {name: array}, dictionary) from a folder; ProblemError if it does not hold them as they were written.
 
     kinds : {name: type} of what the dictionary must have;  names : of the arrays that there must be
@@ -86,7 +93,7 @@ def Read(folder, kinds, names):
     return Mesh(str(folder / MESH)), arrays, words
 
 
-def _Digests(folder, words):
+def _Digests(folder: Path, words: dict[str, Any]) -> dict[str, str]:
     """{name: digest} of the files of a folder, "missing" where there is none; of the dictionary, however laid out."""
     stated = {name: value for name, value in words.items() if name != "digests"}
     contents = {name: (folder / name).read_bytes() if (folder / name).is_file() else None for name in FILES}
@@ -95,7 +102,7 @@ def _Digests(folder, words):
 
 
 @contextmanager
-def _Replacing(folder):
+def _Replacing(folder: Path) -> Iterator[Path]:
     """A new folder inside `folder`, whose files move up at the end, all or none; what fails before leaves no trace."""
     made = []
     try:
@@ -117,7 +124,7 @@ def _Replacing(folder):
                 path.rmdir()
 
 
-def _MoveUp(place, folder):
+def _MoveUp(place: Path, folder: Path) -> None:
     """Move the files from `place`, a folder inside `folder`, into it; if that is interrupted, those before come back."""
     before = [name for name in FILES if (folder / name).exists()]
     try:
@@ -134,7 +141,7 @@ def _MoveUp(place, folder):
         raise
 
 
-def _WriteMesh(mesh, folder):
+def _WriteMesh(mesh: Mesh, folder: Path) -> None:
     """Both files of a mesh; ProblemError if one that was read back would be another."""
     path = folder / EXACT
     mesh.ngmesh.Save(str(path))
@@ -154,7 +161,7 @@ def _WriteMesh(mesh, folder):
     _CheckRoom(folder / MESH)
 
 
-def _CheckRoom(path):
+def _CheckRoom(path: Path) -> None:
     """Raise OSError if no more can be written to a file: Netgen says nothing of a full disk and stops there."""
     with open(path, "ab") as file:
         size = file.tell()
@@ -163,7 +170,7 @@ def _CheckRoom(path):
         file.truncate(size)
 
 
-def _Same(mesh, found):
+def _Same(mesh: Mesh, found: Mesh) -> bool:
     """Has the mesh that was read the elements, vertices, names and points of the one that was written?"""
     if any(getattr(mesh, count) != getattr(found, count) for count in ("ne", "nv")):
         return False
@@ -173,7 +180,7 @@ def _Same(mesh, found):
     return np.abs(points - _Points(found)).max() <= NEAR * np.ptp(points, axis=0).max()
 
 
-def _Points(mesh):
+def _Points(mesh: Mesh) -> Array:
     """Points in all elements and on all boundaries that tell curved elements of its order apart, (n, d)."""
     order = 2 * mesh.GetCurveOrder()
     rules = {et: IntegrationRule(et, order) for et in BOUNDARY_TYPES[mesh.dim]}

@@ -1,11 +1,17 @@
 """Tractions on boundaries and interfaces as functions on the facets, and their integrals, for every method."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import BND, FacetFESpace, ElementId, GridFunction
 
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
+from ..mesh.facets import Facets
 from ..mesh.quadrature import BoundaryQuadrature
 
 
@@ -20,10 +26,10 @@ class FacetTractions:
 
     function: GridFunction
     forces: np.ndarray
-    held: tuple | None = None
+    held: tuple[BoundaryQuadrature, Array] | None = None
 
 
-def NumericalTractions(solution):
+def NumericalTractions(solution: Any) -> FacetTractions:
     """The numerical flux of a discontinuous method, integrated as its equations do."""
     disc, operators = solution.disc, solution.disc.facetform.operators
     values = solution.flux.vec.FV().NumPy()
@@ -43,7 +49,7 @@ class FacetFunctions:
     dofs : (boundary elements, most) scalar dofs, filled up with -1; the first function of every facet is 1
     """
 
-    def __init__(self, facets, order):
+    def __init__(self, facets: Facets, order: int) -> None:
         self.scalar = FacetFESpace(facets.mesh, order=order)
         self.space = self.scalar ** facets.mesh.dim
         found = [self.scalar.GetDofNrs(ElementId(BND, number)) for number in range(len(facets.boundary[0]))]
@@ -51,7 +57,7 @@ class FacetFunctions:
         for row, dofs in zip(self.dofs, found):
             row[:len(dofs)] = dofs
 
-    def Values(self, quadrature):
+    def Values(self, quadrature: BoundaryQuadrature) -> Array:
         """(n, most) values at the n points, 0 for the missing functions."""
         function = GridFunction(self.scalar)
         vector, columns = function.vec.FV().NumPy(), []
@@ -62,7 +68,7 @@ class FacetFunctions:
             columns.append(np.where(dofs[quadrature.boundaryelements] >= 0, np.asarray(function(quadrature.points)).ravel(), 0))
         return np.stack(columns, axis=1)
 
-    def Matrix(self, quadrature):
+    def Matrix(self, quadrature: BoundaryQuadrature) -> Any:
         """The values as a sparse matrix (n, scalar dofs)."""
         values, dofs = self.Values(quadrature), self.dofs[quadrature.boundaryelements]
         row = np.broadcast_to(np.arange(len(dofs))[:, None], dofs.shape)
@@ -70,7 +76,7 @@ class FacetFunctions:
         return sp.csr_matrix((values[there], (row[there], dofs[there])), shape=(len(dofs), self.scalar.ndof))
 
 
-def MeanDisplacement(disc, gfu, region):
+def MeanDisplacement(disc: DiscreteProblem, gfu: Any, region: str) -> Array:
     """The mean of u_h over a region, (d,), of both sides where it lies inside the body."""
     sides = [BoundaryQuadrature.On(disc.facets, region, 2 * disc.order + 2, side=side) for side in (0, 1)]
     return sum(side.weights @ np.asarray(gfu(side.inside)) / (2 * side.weights.sum()) for side in sides)

@@ -3,14 +3,19 @@
 NGSolve's VTKOutput writes tetrahedra and hexahedra with corners in another order than VTK's, so that their volumes are wrong.
 """
 
+from __future__ import annotations
+
 from itertools import permutations, product
+from os import PathLike
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from ngsolve import HEX, PYRAMID, TET, TRIG, VOL, IntegrationRule, specialcf
 from ngsolve import QUAD as SQUARE
 
-from ..mesh.facets import TYPES, VOLUME_TYPES, Coordinates
+from ..contracts import Array
+from ..mesh.facets import TYPES, VOLUME_TYPES, Coordinates, Facets
 
 # VTK's numbers of cells; and for the corners of a mirrored cell the order in which it is right.
 VERTEX, TRIANGLE, QUAD, TETRA, HEXAHEDRON, WEDGE = 1, 5, 9, 10, 12, 13
@@ -20,7 +25,7 @@ CORNERS = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])     # of a square, in VTK's
 DTYPES = {"Float64": "<f8", "Int64": "<i8", "UInt8": "<u1", "UInt32": "<u4", "UInt64": "<u8"}
 
 
-def _Kuhn(n, dim):
+def _Kuhn(n: int, dim: int) -> Any:
     """Corners (cells, dim + 1, dim) of the n^dim simplices that fill n >= a >= b >= ... >= 0, by Kuhn's cut of cubes."""
     steps = np.array([np.cumsum(np.vstack([np.zeros(dim, int), np.eye(dim, dtype=int)[list(order)]]), axis=0)
                       for order in permutations(range(dim))])
@@ -28,7 +33,7 @@ def _Kuhn(n, dim):
     return cells[np.all(np.diff(cells, axis=2) <= 0, axis=(1, 2))]
 
 
-def _Corners(et, n):
+def _Corners(et: Any, n: int) -> tuple[int, Any]:
     """(VTK's number, corners (cells, corners, d) in units of 1/n) of the cells of NGSolve's reference element."""
     if et in (TRIG, TET):
         # Of a >= b >= ... the differences are coordinates in the element.
@@ -43,13 +48,13 @@ def _Corners(et, n):
     return kind, np.concatenate(layers)
 
 
-def _Upright(kind, cells):
+def _Upright(kind: int, cells: Any) -> Any:
     """Simplices (cells, dim + 1, dim) with the mirrored ones in their right order."""
     mirrored = np.linalg.det(np.diff(cells, axis=1).astype(float)) < 0
     return np.where(mirrored[:, None, None], cells[:, MIRRORED[kind]], cells)
 
 
-def Pattern(et, n):
+def Pattern(et: Any, n: int) -> tuple[Array, Any, int]:
     """How n cells along every edge cut NGSolve's reference element: points (m, 3) in it, cells (c, corners), VTK's number."""
     kind, corners = _Corners(et, n)
     if kind in (TRIANGLE, TETRA):
@@ -65,7 +70,7 @@ class ElementGrid:
     points : NGSolve's mesh points;  coordinates (m, 3);  cells : list of (VTK's number, corners (c, corners))
     """
 
-    def __init__(self, facets, n):
+    def __init__(self, facets: Facets, n: int) -> None:
         mesh, dim = facets.mesh, facets.mesh.dim
         patterns = {et: Pattern(et, n) for et in VOLUME_TYPES[dim]}
         rules = {et: IntegrationRule([tuple(point) for point in points], [1.0] * len(points))
@@ -91,7 +96,8 @@ class ElementGrid:
                     self.cells.append((kind, (chosen[:, None, None] + cells[:, order]).reshape(-1, cells.shape[1])))
 
 
-def WriteUnstructured(path, coordinates, cells, fields):
+def WriteUnstructured(path: str | PathLike[str], coordinates: Array, cells: list[tuple[int, Any]],
+                      fields: dict[str, Array]) -> Path:
     """Write points (m, 3), cells as `ElementGrid` has them, and {name: values at the points, (m,) or (m, components)}.
 
     path : with or without its suffix .vtu; returns the Path of the file
@@ -104,14 +110,14 @@ def WriteUnstructured(path, coordinates, cells, fields):
     topology = {"connectivity": np.concatenate([corners.ravel() for _, corners in cells]), "offsets": np.cumsum(sizes),
                 "types": kinds}
     header = "UInt32" if max(array.nbytes for array in (coordinates, *fields.values())) < 2 ** 32 else "UInt64"
-    lines, blocks = [], []
+    lines, blocks = list[str](), list[bytes]()
     for section, arrays in (("Points", {"Points": coordinates}), ("Cells", topology), ("PointData", fields)):
         lines.append(f"<{section}>")
         for name, array in arrays.items():
             kind = {"f": "Float64", "u": "UInt8", "i": "Int64"}[array.dtype.kind]
             components = array.shape[1] if array.ndim == 2 else 1
             lines.append(f'<DataArray type="{kind}" Name="{name}" NumberOfComponents="{components}" format="appended" '
-                         f'offset="{sum(map(len, blocks))}"/>')
+                         f'offset="{sum(len(block) for block in blocks)}"/>')
             data = np.ascontiguousarray(array, dtype=DTYPES[kind]).tobytes()
             blocks.append(np.array(len(data), dtype=DTYPES[header]).tobytes() + data)
         lines.append(f"</{section}>")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -39,7 +40,7 @@ class Record:
     def __init__(self) -> None:
         self.taken: list[Taken] = []
         self.begun = 0
-        self.state: NewtonState | None = None
+        self.state: Any = None      # a NewtonState from the first one on
 
     def Begin(self, state: NewtonState) -> NewtonState:
         """Another stretch of steps, from this state."""
@@ -68,7 +69,7 @@ class Record:
     def Stalled(self, patience: int) -> bool:
         """True if this number of steps have not halved the merit."""
         recent = [step.ratio for step in self.steps[-patience:]]
-        return len(recent) == patience and np.prod(recent) > 0.5
+        return len(recent) == patience and bool(np.prod(recent) > 0.5)
 
     def Roundoff(self) -> bool:
         """True if the last two steps brought nothing and hardly anything is left."""

@@ -79,4 +79,4 @@ def Corrected(state: NewtonState, q: Array, least: float | None, tol: float) -> 
         if trial.merit > GAIN * state.merit or LawResidual(body.setting.contact, best.equilibrium) <= tol:
             break
         state = trial
-    return best
+    return best or state

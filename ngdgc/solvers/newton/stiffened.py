@@ -75,8 +75,9 @@ class StiffenedBody:
         (n, dim), D = setting.contact.normals.shape, setting.Stiffness(point) if predicted or not setting.held else None
         response, stiffness = ContactResponse(setting.disc, D), np.zeros((n, dim, dim)) if D is None else D
         recycled = before.recycled.With(response) if before else Recycled(response, setting.contact.weights)
-        return cls(setting=setting, predicted=predicted, response=response, stiffness=stiffness,
-                   blocks=np.linalg.inv(stiffness + (setting.scale / NEAR)[:, None, None] * np.eye(dim)), recycled=recycled)
+        blocks = np.asarray(np.linalg.inv(stiffness + (setting.scale / NEAR)[:, None, None] * np.eye(dim)), dtype=float)
+        return cls(setting=setting, predicted=predicted, response=response, stiffness=stiffness, blocks=blocks,
+                   recycled=recycled)
 
     def Renewed(self, point: GraphPoint) -> StiffenedBody:
         """With the stiffness of the law at another point, where contact is predicted."""
@@ -112,7 +113,8 @@ class StiffenedBody:
 
     def Equation(self, point: GraphPoint, least: float | None = None) -> PointwiseEquation:
         """Newton's equation at a point; dt/dq is raised to the part `least` of what holds the body."""
-        raised = None if least is None else least * self.setting.holding.slope
+        holding = self.setting.holding
+        raised = None if least is None or holding is None else least * holding.slope
         return PointwiseEquation(point, self.setting.scale, self.stiffness, self.blocks, least=raised)
 
     def Direction(self, state: NewtonState, forcing: float, least: float | None = None) -> Array:

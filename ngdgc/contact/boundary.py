@@ -6,6 +6,8 @@ body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem read
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import VOL, ElementId
@@ -73,6 +75,12 @@ class ContactBoundary:
     @property
     def dim(self):
         return self.normals.shape[1]
+
+    def Within(self, prolongation):
+        """The same points and laws for displacements P x, from their coefficients x; P scipy (ndof, unknowns)."""
+        other = copy(self)
+        other.trace = self.trace @ prolongation
+        return other
 
     def Displacement(self, vector: Array) -> Array:
         """u_h at the points, (n, d), from the coefficients in V_h."""

@@ -1,7 +1,7 @@
 """The inverse of a symmetric positive definite matrix of a discontinuous method by preconditioned conjugate gradients.
 
 Hestenes, Stiefel 1952 with the fixed V-cycle of the `multigrid` module: memory and time grow like the number of unknowns,
-in 3D those of a factorisation like its powers 4/3 and 2.
+in 3D those of a factorisation like its powers 4/3 and 2.  With the matrix it takes 50 bytes for each entry at the peak.
 """
 
 from __future__ import annotations
@@ -92,17 +92,6 @@ class IterativeInverse(BaseMatrix):
             self._Iterate(self.tol if tol is None else tol)
         return self._x.FV().NumPy().copy()
 
-    def Smooth(self, load, vector=None):
-        """One V-cycle for the residual, V (load - A vector), (ndof,) -> (ndof,)."""
-        self._r.FV().NumPy()[:] = load
-        with Threads(self.mesh):
-            if vector is not None:
-                self._x.FV().NumPy()[:] = vector
-                self._r.data -= self.matrix * self._x
-            self.preconditioner.Mult(self._r, self._z)
-        self.iterations += 1
-        return self._z.FV().NumPy().copy()
-
     def _Iterate(self, tol):
         """Steps until the residual of x, computed afresh, is small: that of the recursion drifts away from it."""
         b, x, r = self._b, self._x, self._r
@@ -155,12 +144,3 @@ def DirectMemory(elements: int, entries: int, dim: int) -> int:
     between 4 and 11 in 3D, 2 and 4 in 2D, the larger ones at the larger sizes, which are those that matter.
     """
     return int(entries * (11 * elements ** (1 / 3) if dim == 3 else 4 * np.log2(max(elements, 2))))
-
-
-def IterativeMemory(entries: int) -> int:
-    """Bytes of an assembled matrix with this number of entries and its `IterativeInverse`, at the peak.
-
-    50 for each entry: the growth of the resident memory from assembly to solution at a million unknowns of order 1.  The
-    levels for nearly incompressible materials (`solenoidal`) take 64 more.
-    """
-    return 50 * entries

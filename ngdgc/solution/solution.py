@@ -43,10 +43,10 @@ class ContactSolution:
     """
 
     def __init__(self, disc: Any, vector: Any, traction: Any, *, history: Iterable[Step] = (), converged: bool = True,
-                 solver: str = "", Predict: Callable[[], float | None] | None = None) -> None:
+                 solver: str = "", Predict: Callable[[], float | None] | None = None, levels: Iterable[Level] = ()) -> None:
         self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
         self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
-        self.levels: list[Level] = []
+        self.levels = list(levels)
         self.case: str | None = None
 
     @property
@@ -264,8 +264,7 @@ class ContactSolution:
         history, levels, predicted = archive.Iteration(folder, arrays, words)
         numbering = archive.Numbering(folder, disc, arrays)
         solution = cls(disc, arrays["vector"][numbering], arrays["traction"], history=history, converged=words["converged"],
-                       solver=words["solver"], Predict=lambda: predicted)
-        solution.levels = levels
+                       solver=words["solver"], Predict=lambda: predicted, levels=levels)
         archive.Compare(folder, solution, arrays, numbering)
         return solution
 

@@ -66,9 +66,9 @@ class NestedNewtonSolver:
         CheckCallback(callback)
         with Current(disc) as disc:
             levels, start = self._Predict(solver, disc, callback)
-            solution, seconds = self._Finest(solver, disc, start, callback)
-            solution.solver, solution.levels = repr(self), [*levels, _Level(disc, solution.history, seconds, True)]
-            return solution
+            found, seconds = self._Finest(solver, disc, start, callback)
+            return ContactSolution(disc, found.vector, found.traction, history=found.history, solver=repr(self),
+                                   levels=[*levels, _Level(disc, found.history, seconds, True)])
 
     def _Predict(self, solver, disc, callback):
         """(levels, start): what the coarser meshes took, and what they predict for the Discretization, or None."""

@@ -51,8 +51,7 @@ class Subspace(LinearEquations):
         embedding = Native(self.prolongation)
         with Threads(self.mesh):
             self.matrix = embedding.CreateTranspose() @ (disc.matrix @ embedding)
-        self.contact = copy(disc.contact)
-        self.contact.trace = disc.contact.trace @ self.prolongation
+        self.contact = disc.contact.Within(self.prolongation)
         self._Correct(np.zeros(disc.space.ndof))
 
     def Moved(self, vector):

@@ -56,22 +56,22 @@ def EstimateContraction(disc: DiscreteProblem, penetration: Array, *, step: floa
                     f"give a number >= 0, or one for each of the {count} contact points")
     if np.any(steps < 0):
         raise ProblemError(f"step is {steps.min():g} at some point; give numbers >= 0")
-    stiffness = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]
-    root = np.sqrt(steps)[:, None]
+    across = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]
+    along = np.sqrt(steps)[:, None]
 
     def Normal(values):
-        traction = stiffness * values * contact.normals
-        return stiffness * contact.Normal(contact.Displacement(disc.Response(traction)))[:, None]
+        traction = across * values * contact.normals
+        return across * contact.Normal(contact.Displacement(disc.Response(traction)))[:, None]
 
     def Tangential(values):
-        traction = root * contact.Tangential(values)
-        return root * contact.Tangential(contact.Displacement(disc.Response(traction)))
+        traction = along * contact.Tangential(values)
+        return along * contact.Tangential(contact.Displacement(disc.Response(traction)))
 
     weights = contact.weights[:, None]
     start = _Start(contact)
-    normal, tangent = stiffness * contact.Normal(start)[:, None], contact.Tangential(start)
+    normal, tangent = across * contact.Normal(start)[:, None], contact.Tangential(start)
     return Contraction(normal=LargestEigenvalue(Normal, normal, weights, maxiter, tol),
-                       friction=0.5 * LargestEigenvalue(Tangential, root * tangent, weights, maxiter, tol))
+                       friction=0.5 * LargestEigenvalue(Tangential, along * tangent, weights, maxiter, tol))
 
 
 def _Start(contact):

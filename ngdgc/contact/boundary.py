@@ -41,22 +41,23 @@ class ContactBoundary:
     boundaryelements, members : (pairs,), the pairs of a boundary element and a contact point on it; of discontinuous methods
         every point is in one pair
     measures : (n,) of the facet, or the mean of several [length^(d-1)]
-    trace : sparse (n d, ndof), row p d + i gives component i of u_h at point p
+    trace : sparse ((n i), ndof), row n d + i gives component i of u_h at point n
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of `ContactPart`, one for each foundation, in the order of the points
     """
 
     def __init__(self, problem, facets, space, scalar, rules):
+        # Over the quadrature points of all foundations, which are the pairs; then over the n contact points.
         pieces = [BoundaryQuadrature.On(facets, foundation.boundary, rules) for foundation in problem.foundation]
         points, inside, coordinates, normals, weights, self.boundaryelements = (
             np.concatenate([getattr(piece, name) for piece in pieces])
             for name in ("points", "inside", "coordinates", "normals", "weights", "boundaryelements"))
         owner = np.repeat(np.arange(len(pieces)), [len(piece.weights) for piece in pieces])
         dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
-        self.members = SharedPoints(trace[::dim], normals, owner)
+        self.members = SharedPoints(trace[::dim], normals, owner)           # pairs -> n
         _, first = np.unique(self.members, return_index=True)
         self.weights = np.bincount(self.members, weights)
-        mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))
+        mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))   # n, pairs
         _, number = np.unique(self.boundaryelements, return_inverse=True)
         self.measures = mean @ np.bincount(number, weights)[number]
         self.normals = mean @ normals
@@ -88,7 +89,7 @@ class ContactBoundary:
 
     def Normal(self, vectors: Array) -> Array:
         """v_n = v.n, (n,)."""
-        return np.einsum("pd,pd->p", vectors, self.normals)
+        return np.einsum("ni,ni->n", vectors, self.normals)
 
     def Tangential(self, vectors: Array) -> Array:
         """v_t = v - v_n n, (n, d)."""
@@ -142,15 +143,15 @@ class ContactBoundary:
 
 
 def SharedPoints(traces, normals, owner):
-    """The number of its contact point for every quadrature point, (m,), ascending with the first quadrature point of each.
+    """The number of its contact point for every quadrature point, (n,), ascending with the first quadrature point of each.
 
-    Points are one if all displacements agree there, on facets of the same foundation (`owner`, (m,)) that form no corner.
-    traces : sparse (m, nscalar), values of the shape functions of one component at the points;  normals : (m, d)
+    Points are one if all displacements agree there, on facets of the same foundation (`owner`, (n,)) that form no corner.
+    traces : sparse (n, nscalar), values of the shape functions of one component at the n quadrature points;  normals : (n, d)
     """
     gram = (traces @ traces.T).tocoo()
     size, i, j = gram.diagonal(), gram.row, gram.col
     same = size[i] + size[j] - 2 * gram.data < SAME * size[i]
-    same &= (owner[i] == owner[j]) & (np.einsum("md,md->m", normals[i], normals[j]) > CORNER)
+    same &= (owner[i] == owner[j]) & (np.einsum("ni,ni->n", normals[i], normals[j]) > CORNER)
     graph = sp.coo_matrix((np.ones(same.sum()), (i[same], j[same])), shape=gram.shape)
     labels = sp.csgraph.connected_components(graph, directed=False)[1]
     _, first, number = np.unique(labels, return_index=True, return_inverse=True)
@@ -158,7 +159,7 @@ def SharedPoints(traces, normals, owner):
 
 
 def TraceMatrix(space, scalar, points):
-    """The sparse matrix that maps coefficients in `space` to values at volume mesh points, row p d + i for component i.
+    """The sparse matrix that maps coefficients in `space` to values at volume mesh points, row n d + i for component i.
 
     `scalar` is the space of one component; NGSolve numbers the dofs of an element component after component.
     """

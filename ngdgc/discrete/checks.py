@@ -72,7 +72,7 @@ def CheckRollerTractions(problem, facets):
             continue
         quadrature = BoundaryQuadrature.On(facets, region, CHECK_ORDER)
         traction = VectorsAt(value, quadrature.points, f"traction[{region!r}]", facets.mesh.Boundaries(region))
-        normal = np.einsum("nd,nd->n", traction, quadrature.normals)
+        normal = np.einsum("ni,ni->n", traction, quadrature.normals)
         # Tractions computed from a stress state carry its round-off, whose size is that of the modulus.
         roundoff = 1e-12 * problem.material.ShearAt(quadrature.inside).max()
         if np.abs(normal).max() > 1e-10 * np.abs(traction).max() + roundoff:

@@ -116,8 +116,8 @@ class Facets:
         with Threads(mesh):
             measure, moment = (LinearForm(f * v * dx(element_boundary=True)).Assemble().vec.FV().NumPy().copy()
                                for f in (CF(1), number))
-        self.ofelements = np.rint(moment / measure).astype(np.int64)
-        counts = np.zeros(self.vertices.shape[1] + 1, dtype=np.int64)
+        self.ofelements = np.rint(moment / measure).astype(np.int64)                # over sides, element by element
+        counts = np.zeros(self.vertices.shape[1] + 1, dtype=np.int64)               # of sides, by the number of vertices
         for vertices, sides in SIDES[mesh.dim].items():
             counts[vertices:vertices + 1] = sides
         self.starts = np.concatenate([[0], np.cumsum(counts[(self.vertices >= 0).sum(axis=1)])])
@@ -165,7 +165,7 @@ class Facets:
         It is the one with the smaller number, on named boundaries inside the body the one on the side that `Interfaces` tells.
         A CoefficientFunction for integrals over element boundaries.
         """
-        second = (self.interfaces.sign < 0) & (self.neighbours > 1)
+        second = (self.interfaces.sign < 0) & (self.neighbours > 1)                 # over facets, as all that follows
         # Facets of boundary elements that are no side of an element have none.
         known, first = self.neighbours > 0, np.zeros(self.space.ndof)
         first[known] = self.incidence.indices[(self.incidence.indptr[:-1] + second)[known]]

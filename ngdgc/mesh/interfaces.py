@@ -61,7 +61,7 @@ class Interfaces:
         else:
             last = np.where(vertices[:, -1] >= 0, vertices[:, -1], vertices[:, 0])
             normal = np.cross(points[vertices[:, 2]] - corner, points[last] - points[vertices[:, 1]])
-        return np.where(np.einsum("nd,nd->n", centre - corner, normal) < 0, 1, -1)
+        return np.where(np.einsum("ni,ni->n", centre - corner, normal) < 0, 1, -1)
 
 
 def _MaterialRanks(mesh):

@@ -26,7 +26,7 @@ def Rows(heading):
 
 
 LETTERS = {letter for row in Rows("Letters") for letter in re.findall(r"`(\w)`", row[0])}
-DENSE = [path for part in ("blocks", "mesh") for path in (ROOT / "ngdgc" / part).glob("*.py")]
+DENSE = [path for part in ("blocks", "mesh", "contact") for path in (ROOT / "ngdgc" / part).glob("*.py")]
 
 
 def Subscripts(text):

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 
 from ngsolve import Mesh
 
-from .contracts import Method
+from .contracts import Inverter, Method
 from .discrete.problem import DiscreteProblem
 from .problem.problem import ContactProblem
 from .solution.history import Step
@@ -26,7 +26,8 @@ class Discretization(DiscreteProblem):
     mesh : ngsolve.Mesh, 2D or 3D; curve it (mesh.Curve(order)) before, if its boundary is curved
     order : polynomial degree k of the displacement
     assembly : "facet", blocks on facets and elements, or "skeleton", NGSolve's symbols: the same matrix, slower and readable
-    inverse : what solves the linear equations (`linear.choice`), "auto" by symmetry and size
+    inverse : what solves the linear equations: a name (`linear.choice`), "auto" by symmetry and size, or a function or class of
+        your own that makes an inverse of a matrix (`contracts.Inverter`)
 
     Raises ProblemError for data that do not fit the mesh, here, and for a lost coercivity or a body that only its
     foundation holds, when the matrix is first needed.
@@ -39,7 +40,7 @@ class Discretization(DiscreteProblem):
     """
 
     def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",
-                 inverse: str = "auto") -> None:
+                 inverse: str | Inverter = "auto") -> None:
         super().__init__(problem, method, mesh, order=order, assembly=assembly, inverse=inverse)
 
     def Solve(self, *, tol: float = 1e-10, coarser: Sequence[Mesh] | None = None,

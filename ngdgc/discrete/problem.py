@@ -8,13 +8,14 @@ import numpy as np
 from ngsolve import GridFunction, Mesh, ds, dx
 
 from ..contact.boundary import ContactBoundary
-from ..contracts import Array, Method
+from ..contracts import Array, Inverse, Inverter, Method
 from ..data.coefficients import LOADBONUS, OnFacets, Unfolded
 from ..data.inside import OnBoundary
 from ..exceptions import ProblemError
-from ..linear.choice import Inverse, Kind
+from ..linear.choice import CheckInverter, Chosen
 from ..linear.equations import LinearEquations
 from ..linear.motions import FreeMotions, ProjectedMotions
+from ..linear.outside import Made
 from ..mesh.facets import Csr, Facets, Native, Threads
 from ..mesh.quadrature import ContactRules
 from ..methods.coercivity import CheckCoercivity, CheckSum
@@ -22,6 +23,7 @@ from ..methods.symbolform import Coefficients
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
 from ..tools.memory import CheckAssembly
+from ..tools.names import Named
 from ..tools.values import Among, Order
 from .added import AddedForms
 from .checks import CheckData, CheckMesh, CheckRegions
@@ -46,7 +48,7 @@ class DiscreteProblem(LinearEquations):
     """
 
     def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",
-                 inverse: str = "auto") -> None:
+                 inverse: str | Inverter = "auto") -> None:
         super().__init__()
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
@@ -54,6 +56,7 @@ class DiscreteProblem(LinearEquations):
             raise ProblemError(f"method is {method!r}; give an object such as InteriorPenalty() or Conforming()")
         if not Among(assembly, ("facet", "skeleton")):
             raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
+        CheckInverter(inverse)
         CheckMesh(problem, mesh)
         order = Order(order, mesh.dim)
         CheckAssembly(mesh.ne, mesh.dim, order, discontinuous=method.discontinuous)
@@ -221,7 +224,7 @@ class DiscreteProblem(LinearEquations):
         return function.vec.FV().NumPy().copy()
 
     @OfMatrix
-    def inverse(self) -> Any:
+    def inverse(self) -> Inverse:
         """A^-1 on the free dofs; ProblemError for a body that only its foundation holds, whose A is singular."""
         self.restraints.Check()
         if self.unresisted:
@@ -231,12 +234,22 @@ class DiscreteProblem(LinearEquations):
         return self.Factorise(self.matrix)
 
     @OfMatrix
-    def inversekind(self) -> str:
-        """What solves the linear equations (`linear.choice` module)."""
-        return Kind(self, self.wanted)
+    def inverter(self) -> Inverter:
+        """What makes inverses (`linear.choice` module)."""
+        return Chosen(self, self.wanted)
 
-    def Inverse(self, matrix: Any) -> Any:
-        return Inverse(self, matrix, self.inversekind)
+    @property
+    def inversekind(self) -> str:
+        """The name of what solves the linear equations."""
+        return Named(self.inverter)
+
+    @property
+    def iterates(self) -> bool:
+        """True if inverses are iterations, which give as many digits as they are asked for."""
+        return bool(getattr(self.inverter, "iterates", False))
+
+    def MakeInverse(self, matrix: Any) -> Inverse:
+        return Made(self.inverter, matrix, self)
 
     def Solve(self, *, tol: float = 1e-10, coarser: Any = None, callback: Any = None) -> Any:
         raise ProblemError("a solution that was loaded has no default solver; take NestedNewtonSolver().Solve(solution.disc), "

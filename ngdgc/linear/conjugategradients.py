@@ -6,24 +6,58 @@ in 3D those of a factorisation like its powers 4/3 and 2.  With the matrix it ta
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import BaseMatrix, InnerProduct, Norm
+from ngsolve import InnerProduct, Norm
 
-from ..contracts import Array
+from ..contracts import Array, PreconditionerMaker
 from ..exceptions import ProblemError
 from ..mesh.facets import Threads
-from .multigrid import Preconditioner
+from ..tools.calls import ByKeyword
+from ..tools.names import Named
+from .multigrid import VCycle
 
 TOL = 1e-8
+LIKEFACTORS = 1e-11         # relative residual of solutions that take the place of a factorisation's
 MAXITER = 500
 ROUNDOFF = 10 * np.finfo(float).eps
 
 
-class IterativeInverse(BaseMatrix):
-    """A^-1 for the matrix A of a symmetric discontinuous method, or A + T' W D T, to be used like `disc.Factorise(matrix)`.
+@ByKeyword
+@dataclass(frozen=True, kw_only=True)
+class ConjugateGradients:
+    """`IterativeInverse`s to a relative residual of 1e-11, to be given as inverse=ConjugateGradients(preconditioner=...).
+
+    preconditioner : what keeps `contracts.Preconditioner`, called with the matrix, its free dofs and the Discretization; None:
+        the V-cycle of the `multigrid` module, which is inverse="iterative"
+
+    >>> from ngdgc.linear.conjugategradients import ConjugateGradients
+    >>> ConjugateGradients(preconditioner=lambda matrix, free, disc: matrix.CreateSmoother(free)).iterates
+    True
+    """
+
+    preconditioner: PreconditionerMaker | None = None
+    symmetric = True
+    iterates = True
+
+    def __post_init__(self) -> None:
+        if not (self.preconditioner is None or callable(self.preconditioner)):
+            raise ProblemError(f"preconditioner is {self.preconditioner!r}; give a function of the matrix, its free dofs and "
+                               "the Discretization, or None")
+
+    @property
+    def name(self) -> str:
+        return "iterative" if self.preconditioner is None else f"iterative with {Named(self.preconditioner)}"
+
+    def __call__(self, matrix: Any, free: Any, disc: Any) -> IterativeInverse:
+        return IterativeInverse(disc, matrix, tol=LIKEFACTORS, preconditioner=self.preconditioner)
+
+
+class IterativeInverse:
+    """A^-1 for the matrix A of a symmetric discontinuous method, or A + T' W D T, which keeps `contracts.Iteration`.
 
     Parameters
     ----------
@@ -31,6 +65,7 @@ class IterativeInverse(BaseMatrix):
     matrix : NGSolve matrix on disc.space; it is kept, and must not change
     tol : of the Euclidean norm of the residual, |b - A x| <= tol |b|, also changed by setting the attribute or with each solve
     maxiter : largest number of steps of one solve
+    preconditioner : as for `ConjugateGradients`
 
     A residual at the level of its rounding, |b - A x| <= 10 eps |diag(A) x|, is accepted also if it is above tol |b|: with a
     stiff foundation (D of 1e9 moduli) no method comes further than to about 1e-8.
@@ -56,33 +91,18 @@ class IterativeInverse(BaseMatrix):
     (True, True)
     """
 
-    def __init__(self, disc: Any, matrix: Any, *, tol: float = TOL, maxiter: int = MAXITER) -> None:
-        super().__init__()
+    def __init__(self, disc: Any, matrix: Any, *, tol: float = TOL, maxiter: int = MAXITER,
+                 preconditioner: PreconditionerMaker | None = None) -> None:
         if not (disc.method.discontinuous and disc.symmetric):
             raise ProblemError(f"conjugate gradients need a symmetric discontinuous method, {disc.method.name} is none; take "
                                "inverse='auto'")
         self.mesh, self.matrix, self.tol, self.maxiter = disc.mesh, matrix, tol, maxiter
         self.iterations, self.solves, self.residual = 0, 0, 0.0
         # Not in NGSolve's threads, which those of LAPACK would disturb.
-        self.preconditioner = Preconditioner(disc, matrix)
+        self.preconditioner = (preconditioner or VCycle)(matrix, disc.space.FreeDofs(), disc)
+        self.own = preconditioner and Named(preconditioner)
         self._b, self._x, self._r, self._z, self._p, self._q = (matrix.CreateColVector() for _ in range(6))
         self._diagonal = sp.csr_matrix(matrix.CSR(), shape=matrix.shape).diagonal()
-
-    def Height(self):
-        return self.matrix.height
-
-    def Width(self):
-        return self.matrix.width
-
-    def CreateVector(self, colvector):
-        return self.matrix.CreateColVector()
-
-    def Mult(self, b, x):
-        """x = A^-1 b, NGSolve vectors."""
-        self._b.data = b
-        self._x[:] = 0
-        self._Iterate(self.tol)
-        x.data = self._x
 
     def Solve(self, load: Array, *, tol: float | None = None, start: Array | None = None) -> Array:
         """A^-1 load, (ndof,) -> (ndof,), to another tolerance, or from a start (ndof,) near the solution."""
@@ -106,10 +126,12 @@ class IterativeInverse(BaseMatrix):
             if norm <= max(tol * size, ROUNDOFF * np.linalg.norm(self._diagonal * x.FV().NumPy())):
                 return
             if left == 0 or not norm < 0.5 * before:
+                causes = "a nearly incompressible material, a body that nothing holds or distorted elements"
+                if self.own:
+                    causes = f"that {self.own} is poor or not symmetric (conformance.CheckPreconditioner tells), or {causes}"
                 raise ProblemError(
                     f"conjugate gradients came to a relative residual of {self.residual:.1e} instead of {tol:.1e} in "
-                    f"{self.maxiter - left} steps; likely causes are a nearly incompressible material, a body that nothing "
-                    "holds or distorted elements; take inverse='sparsecholesky'")
+                    f"{self.maxiter - left} steps; likely causes are {causes}; take inverse='sparsecholesky'")
             before, left = norm, left - self._Steps(tol * size, left)
 
     def _Steps(self, target, most):
@@ -124,6 +146,10 @@ class IterativeInverse(BaseMatrix):
             q.data = self.matrix * p
             curvature = InnerProduct(p, q)
             # Written so that a NaN is caught as well.
+            if self.own and not energy > 0:
+                raise ProblemError(f"the preconditioner {self.own} is not positive definite, r' P r is {energy:.1e}; it must "
+                                   "be, and symmetric: conformance.CheckPreconditioner looks at it; take another one, or "
+                                   "inverse='iterative'")
             if not (energy > 0 and curvature > 0):
                 raise ProblemError("the matrix is not positive definite (a direction of conjugate gradients has an energy of "
                                    f"{curvature:.1e}): nothing holds the body, or the penalty is too small; add dirichlet, "
@@ -133,14 +159,3 @@ class IterativeInverse(BaseMatrix):
             steps += 1
             self.iterations += 1
         return steps
-
-
-def DirectMemory(elements: int, entries: int, dim: int) -> int:
-    """Bytes that the sparse Cholesky factorisation of a matrix needs at its peak, from its elements and entries (nnz).
-
-    Nested dissection (George 1973): separators of about elements^(2/3) in 3D, elements^(1/2) in 2D, so
-    11 entries elements^(1/3) and 4 entries log2(elements) bytes.  The factors were measured as the growth of the resident
-    memory while NGSolve's sparsecholesky works, for orders 1 to 3, tetrahedra, hexahedra, triangles and quads, IP and LDG:
-    between 4 and 11 in 3D, 2 and 4 in 2D, the larger ones at the larger sizes, which are those that matter.
-    """
-    return int(entries * (11 * elements ** (1 / 3) if dim == 3 else 4 * np.log2(max(elements, 2))))

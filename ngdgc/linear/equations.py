@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contracts import Array
+from ..contracts import Array, Inverse, Iteration
 from ..exceptions import ProblemError
 from ..mesh.facets import Threads
 from ..tools.calls import ByKeyword
@@ -15,9 +15,9 @@ from ..tools.calls import ByKeyword
 
 @ByKeyword
 class LinearEquations(ABC):
-    """A x = b with symmetric or unsymmetric sparse matrices on one space, solved as `inversekind` says.
+    """A x = b with symmetric or unsymmetric sparse matrices on one space, solved by what `MakeInverse` makes.
 
-    Who inherits has `mesh`, `matrix`, NGSolve's A, and `inversekind`, a name of the `linear.choice` module.
+    Who inherits has `mesh`, and `matrix`, NGSolve's A.
 
     Attributes
     ----------
@@ -34,44 +34,45 @@ class LinearEquations(ABC):
         self.lock = RLock()
 
     @abstractmethod
-    def Inverse(self, matrix: Any) -> Any:
+    def MakeInverse(self, matrix: Any) -> Inverse:
         """The inverse of a matrix on the free dofs, which nobody counts."""
 
-    def Factorise(self, matrix: Any) -> Any:
+    def Factorise(self, matrix: Any) -> Inverse:
         """The inverse of a matrix on the free dofs; symmetric if A is."""
         with self.lock, Threads(self.mesh):
             start = time.perf_counter()
-            inverse = self.Inverse(matrix)
+            inverse = self.MakeInverse(matrix)
             self.factorisation += time.perf_counter() - start
         return inverse
 
     def Multiply(self, vector: Array) -> Array:
         """A x, (ndof,) -> (ndof,)."""
-        return self._Apply(self.matrix, vector)
+        self._CheckShape(vector)
+        source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
+        source.FV().NumPy()[:] = vector
+        with Threads(self.mesh):
+            target.data = self.matrix * source
+        return target.FV().NumPy().copy()
 
-    def ApplyInverse(self, inverse: Any, load: Array) -> Array:
+    def ApplyInverse(self, inverse: Inverse, load: Array) -> Array:
         """An inverse of `Factorise` times a load, (ndof,) -> (ndof,), counted in `solves`."""
+        self._CheckShape(load)
         with self.lock:
             self.solves += 1
-            return self._Apply(inverse, load)
+            return inverse.Solve(load)
 
-    def Iterate(self, inverse: Any, load: Array, *, tol: float, start: Array) -> Array:
-        """The same from a start (ndof,) and to a tolerance, by an `linear.conjugategradients.IterativeInverse`."""
+    def Iterate(self, inverse: Iteration, load: Array, *, tol: float, start: Array) -> Array:
+        """The same from a start (ndof,) and to a tolerance."""
         with self.lock:
             before = inverse.iterations
             vector = inverse.Solve(load, tol=tol, start=start)
             self.solves, self.cycles = self.solves + 1, self.cycles + inverse.iterations - before
             return vector
 
-    def _Apply(self, operator, vector):
+    def _CheckShape(self, vector):
         if np.shape(vector) != (self.matrix.width,):
             raise ProblemError(f"a vector of shape {np.shape(vector)} is given; give the {self.matrix.width} coefficients of a "
                                "function in the space")
-        source, target = self.matrix.CreateColVector(), self.matrix.CreateRowVector()
-        source.FV().NumPy()[:] = vector
-        with Threads(self.mesh):
-            target.data = operator * source
-        return target.FV().NumPy().copy()
 
 
 def CheckDiscretization(disc: Any) -> None:

@@ -143,8 +143,11 @@ def ContinuousLevels(disc, matrix):
     return embedding, coarse
 
 
-def Preconditioner(disc, matrix):
-    """The V-cycle for an NGSolve matrix, symmetric positive definite, on the space of a discontinuous Discretization."""
+def VCycle(matrix, free, disc):
+    """The V-cycle for an NGSolve matrix, symmetric positive definite, on the space of a discontinuous Discretization.
+
+    It keeps `contracts.PreconditionerMaker`; `free` are all dofs.
+    """
     mesh, dim = disc.mesh, disc.mesh.dim
     levels = SolenoidalLevels if NeedsSolenoidal(disc) else ContinuousLevels
     embedding, coarse = levels(disc, sp.csr_matrix(matrix.CSR(), shape=matrix.shape))

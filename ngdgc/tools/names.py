@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from difflib import get_close_matches
+from typing import Any
 
 from .failures import ProblemError
 
@@ -32,3 +33,13 @@ def Known(name: str, known: Iterable[str], *, what: str, choose: str = "choose o
         if one.lower() == name.lower():
             return one
     raise ProblemError(f"no {what} {name!r}; {choose} {', '.join(known)}{Meant(name, known)}")
+
+
+def Named(thing: Any) -> str:
+    """The name of an object: its own, that of a function or class, or that of its class.
+
+    >>> Named(Named), Named(3)
+    ('Named', 'int')
+    """
+    name = getattr(thing, "name", None)
+    return name if isinstance(name, str) else getattr(thing, "__name__", type(thing).__name__)

@@ -14,9 +14,10 @@ from ngdgc.linear import solenoidal
 from ngdgc.contact.response import ContactResponse
 from ngdgc.linear.cycles import Corners, Entries, Galerkin
 from ngdgc.mesh.facets import Csr, Native
-from ngdgc.linear.conjugategradients import DirectMemory, IterativeInverse
+from ngdgc.linear.conjugategradients import IterativeInverse
+from ngdgc.linear.factorisations import DirectMemory
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.linear.multigrid import PartlyContinuous, Preconditioner
+from ngdgc.linear.multigrid import PartlyContinuous, VCycle
 
 
 def Block(mesh, method=None, *, order=1, held=True, E=1, nu=0.3):
@@ -216,7 +217,7 @@ def test_curls_of_potentials_cost_what_they_cost_without_lam(mesh):
 @pytest.mark.parametrize(("order", "nu"), [(1, 0.3), (2, 0.3), (1, NEARLY), (2, NEARLY)])
 def test_cycle_is_symmetric_positive_definite(order, nu):
     disc = Block(BoxMesh(2, upper=(8, 1, 1)), order=order, nu=nu)
-    cycle = Preconditioner(disc, disc.matrix)
+    cycle = VCycle(disc.matrix, None, disc)
     b, x = disc.matrix.CreateColVector(), disc.matrix.CreateColVector()
     rng = np.random.default_rng(1)
     left, right = rng.standard_normal((2, 6, disc.space.ndof))

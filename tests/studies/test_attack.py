@@ -121,7 +121,7 @@ def test_kinds_are_looked_at_only_after_a_failure():
         lemmas.Coercivity(3)
 
     class Failing(LinearEquations):
-        def Inverse(self, matrix):
+        def MakeInverse(self, matrix):
             return 1 / 0
 
     with pytest.raises(AttributeError, match="matrix"):     # no argument is wrong: the error stays what it is

@@ -65,7 +65,7 @@ class SemismoothNewtonSolver:
         """
         with Current(disc) as disc:
             start = start if start is None else _Start(start, disc.contact.normals.shape)
-            run = (CorrectedRun if disc.inversekind == "iterative" else NewtonRun)(disc, start, self.tol)
+            run = (CorrectedRun if disc.iterates else NewtonRun)(disc, start, self.tol)
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
 
 

@@ -17,10 +17,10 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import lsqr
 from ngsolve import L2
 
-from ...linear.choice import Direct, Factorised
-from ...linear.conjugategradients import DirectMemory
+from ...linear.choice import Direct
 from ...linear.cycles import Corners
 from ...linear.equations import LinearEquations
+from ...linear.factorisations import DirectMemory, Factorised, Operator
 from ...linear.motions import WithResultants
 from ...linear.multigrid import PartlyContinuous
 from ...mesh.facets import Native, Threads
@@ -45,7 +45,7 @@ class Subspace(LinearEquations):
     def __init__(self, disc):
         super().__init__()
         self.disc, self.mesh, self.problem, self.order = disc, disc.mesh, disc.problem, disc.order
-        self.unresisted, self.resultant, self.inversekind = disc.unresisted, disc.resultant, Direct()
+        self.unresisted, self.resultant = disc.unresisted, disc.resultant
         self.prolongation = Prolongation(disc)
         self._restriction = self.prolongation.T.tocsr()
         embedding = Native(self.prolongation)
@@ -80,11 +80,11 @@ class Subspace(LinearEquations):
     def inverse(self):
         return self.Factorise(self.matrix)
 
-    def Inverse(self, matrix):
+    def MakeInverse(self, matrix):
         nodes = self.mesh.nv + int(Near(self.disc).sum())
         CheckMemory(DirectMemory(nodes, matrix.nze, self.mesh.dim), f"the factors of {matrix.height} unknowns",
                         "a smaller foundation, ")
-        return Factorised(matrix, None, self.inversekind, self.mesh.dim)
+        return Operator(Factorised(matrix, None, Direct(), self.mesh.dim), self.mesh)
 
 
 def Prolongation(disc):

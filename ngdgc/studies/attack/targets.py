@@ -17,7 +17,7 @@ from ngsolve import CF, BilinearForm, GridFunction, LinearForm, dx, x
 from ... import exact
 from ...contracts import Array
 from ...discretization import Discretization
-from ...linear.choice import Inverse
+from ...linear.conjugategradients import IterativeInverse
 from ...meshes import BOXCELLS, CELLS, UnitMesh
 from ...methods.rows import LDG, METHODS, InteriorPenalty
 from ...problem.foundation import Foundation
@@ -33,7 +33,7 @@ MODULES = ("ngdgc", "ngdgc.meshes", "ngdgc.exact", "ngdgc.traces", "ngdgc.errors
 STUDIES = ("AtlasFigure", "GrowthFigure", "ConvergenceFigure", "AccuracyFigure", "LockingFigure", "SweepFigure",
            "LiftingBounds")
 # What solvers and discretisations call of each other, with arguments of their own making.
-CONTRACTS = ("Space", "ScalarSpace", "Form", "Inverse", "Factorise", "ApplyInverse", "Iterate", "CheckData", "Current")
+CONTRACTS = ("Space", "ScalarSpace", "Form", "MakeInverse", "Factorise", "ApplyInverse", "Iterate", "CheckData", "Current")
 
 
 def Public() -> dict[str, tuple[Any, str]]:
@@ -228,7 +228,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "assembly": lambda s: s.Choose("facet", "skeleton"),
     "inverse": lambda s: s.Choose("auto", "umfpack", "iterative"),
     "ApplyInverse.inverse": lambda s: s.disc.inverse,
-    "Iterate.inverse": lambda s: Inverse(s.disc, s.disc.matrix, "iterative"),
+    "Iterate.inverse": lambda s: IterativeInverse(s.disc, s.disc.matrix),
     "Iterate.start": lambda s: 0 * s.disc.load,
     "Add.form": Setting.Form,
     "clamped": lambda s: "top",

@@ -126,7 +126,7 @@ def _Measure(point, inverse, repeat):
 
 def _Linear(disc):
     """Steps of conjugate gradients for the response to the loads without foundation."""
-    if disc.inversekind != "iterative":
+    if not disc.iterates:
         return 0
     disc.inverse.Solve(disc.load, tol=TOL)
     return disc.inverse.iterations

@@ -11,8 +11,10 @@ import numpy as np
 from ngsolve import BilinearForm, LinearForm
 
 from ..contact.graph import Distance
+from ..contracts import Inverter
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
+from ..linear.choice import INVERTERS
 from ..methods.rows import METHODS
 from . import storage
 from .fingerprint import NAMES, SAME, Differs, Fingerprint
@@ -37,13 +39,13 @@ def Keep(solution: Any, folder: str | PathLike[str]) -> None:
               **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
-             "inverse": disc.wanted, "added": bool(disc.added),
+             "inverse": disc.wanted if isinstance(disc.wanted, str) else disc.inversekind, "added": bool(disc.added),
              "converged": bool(solution.converged), "solver": str(solution.solver), "summary": solution.ToJSON()}
     storage.Write(folder, disc.mesh, arrays, words)
 
 
-def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any]) -> tuple[DiscreteProblem, dict[str, Any],
-         dict[str, Any]]:
+def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],
+         inverse: str | Inverter | None) -> tuple[DiscreteProblem, dict[str, Any], dict[str, Any]]:
     """(DiscreteProblem, {name: array}, dictionary) of a folder, for a problem and forms that are compared later."""
     mesh, arrays, words = storage.Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", "dofs", *NAMES))
     _CheckArrays(arrays, f"the solution in {folder}")
@@ -58,13 +60,18 @@ def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any]) -> tup
                            f"{'give them again' if words['added'] else 'leave them out'}: "
                            f"Load(folder, problem{', added=[...]' if words['added'] else ''})")
     disc = DiscreteProblem(problem, kind(**words["arguments"]), mesh, order=words["order"], assembly=words["assembly"],
-                           inverse=words["inverse"])
+                           inverse=_Inverse(words["inverse"]) if inverse is None else inverse)
     if disc.space.ndof != len(arrays["vector"]):
         raise ProblemError(f"{folder} has {len(arrays['vector'])} coefficients, and {disc!r} has {disc.space.ndof}; give a "
                            "folder as ContactSolution.Save has left it")
     for number, form in enumerate(added):
         disc.Add(_On(disc.space, form, f"added[{number}]"))
     return disc, arrays, words
+
+
+def _Inverse(name: str) -> str:
+    """The name that a file has of what solved the linear equations, or "auto" for what it can name, but not make."""
+    return name if name in INVERTERS else "auto"
 
 
 def Iteration(folder: str | PathLike[str], arrays: dict[str, Any], words: dict[str, Any]) -> tuple[list[Step], list[Level],

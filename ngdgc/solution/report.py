@@ -62,7 +62,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         **_Data(disc.problem),
         "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
         "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
-        "solver": solution.solver, "inverse": disc.inversekind, "converged": solution.converged,
+        "solver": solution.solver, "inverse": solution.inverse, "converged": solution.converged,
         "iterations": len(solution.history),
         "change": last.change if last else None, "law_residual": last.residual if last else None,
         "solves": last.solves if last else None, "seconds": last.seconds if last else None,

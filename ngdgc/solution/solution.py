@@ -11,7 +11,7 @@ import numpy as np
 from ngsolve import GridFunction, InnerProduct, Integrate
 
 from ..contact.graph import ZONES, Distance, GraphDistance
-from ..contracts import Array
+from ..contracts import Array, Inverter
 from ..discrete.state import AsRead, State
 from ..exceptions import ProblemError
 from ..methods.fluxes import Flux
@@ -43,16 +43,22 @@ class ContactSolution:
     """
 
     def __init__(self, disc: Any, vector: Any, traction: Any, *, history: Iterable[Step] = (), converged: bool = True,
-                 solver: str = "", Predict: Callable[[], float | None] | None = None, levels: Iterable[Level] = ()) -> None:
+                 solver: str = "", Predict: Callable[[], float | None] | None = None, levels: Iterable[Level] = (),
+                 inverse: str | None = None) -> None:
         self.disc, self.vector, self.traction = disc, np.asarray(vector), np.asarray(traction)
         self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
-        self.levels = list(levels)
+        self.levels, self._inverse = list(levels), inverse
         self.case: str | None = None
 
     @property
     def state(self) -> State:
         """The `State` of mesh and data that the solution belongs to."""
         return self.disc.state
+
+    @property
+    def inverse(self) -> str:
+        """The name of what solved the linear equations, also where the solution was loaded and something else would now."""
+        return self._inverse or self.disc.inversekind
 
     def __repr__(self) -> str:
         state = "" if self.converged else "not "
@@ -251,20 +257,24 @@ class ContactSolution:
             archive.Keep(self, folder)
 
     @classmethod
-    def Load(cls, folder: str | PathLike[str], problem: Any, *, added: Sequence[Any] = ()) -> ContactSolution:
+    def Load(cls, folder: str | PathLike[str], problem: Any, *, added: Sequence[Any] = (),
+             inverse: str | Inverter | None = None) -> ContactSolution:
         """The solution saved in `folder`; CoefficientFunctions are not stored, so the problem is given again.
 
         added : the forms that `disc.Add` was given, as forms on a space of the same mesh, method and order, or as functions of
             the space that make them: added=[lambda space: BilinearForm(...)]
+        inverse : as for Discretization, for what is solved from now on; None: as it was, or "auto" if the solution was saved
+            with one of your own, of which a file has only the name
 
         Raises ProblemError if the folder holds no solution, a damaged one, or one of another problem: all data are compared to
         six digits, contact law and balance are verified.
         """
-        disc, arrays, words = archive.Open(folder, problem, added)
+        disc, arrays, words = archive.Open(folder, problem, added, inverse)
         history, levels, predicted = archive.Iteration(folder, arrays, words)
         numbering = archive.Numbering(folder, disc, arrays)
         solution = cls(disc, arrays["vector"][numbering], arrays["traction"], history=history, converged=words["converged"],
-                       solver=words["solver"], Predict=lambda: predicted, levels=levels)
+                       solver=words["solver"], Predict=lambda: predicted, levels=levels,
+                       inverse=words["summary"].get("inverse"))
         archive.Compare(folder, solution, arrays, numbering)
         return solution
 

@@ -14,7 +14,8 @@ from problems import Example
 from ngdgc import Conforming, Discretization, EstimateContraction, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
 from ngdgc.linear import choice as inverses
 from ngdgc.mesh.facets import Csr, Native
-from ngdgc.linear.conjugategradients import IterativeInverse
+from ngdgc.linear.conjugategradients import ConjugateGradients, IterativeInverse
+from ngdgc.linear.factorisations import Operator
 from ngdgc.meshes import BoxMesh
 
 
@@ -62,6 +63,27 @@ def Indefinite(disc):
     return IterativeInverse(disc, Native(Csr(disc.matrix) - 10 * sp.eye(disc.space.ndof))).Solve(disc.load)
 
 
+def Spoilt(Change):
+    """An inverse of a user's own."""
+    def Own(matrix, free, disc):
+        inverse = Operator(matrix.Inverse(free, inverse="sparsecholesky"), disc.mesh)
+        return SimpleNamespace(Solve=lambda load: Change(inverse.Solve(load)))
+    return Own
+
+
+def First(inverse, method=None):
+    """The first step with an inverse."""
+    disc = Disc(method, inverse=inverse)
+    return disc.SolveLinear(disc.load)
+
+
+def Backwards(disc):
+    """Conjugate gradients with a preconditioner that is not positive definite."""
+    def Minus(matrix, free, disc):
+        return SimpleNamespace(Mult=lambda b, x: x.FV().NumPy().__setitem__(slice(None), -b.FV().NumPy()))
+    return IterativeInverse(disc, disc.matrix, preconditioner=Minus).Solve(disc.load)
+
+
 SOLVERS = [
     (lambda _: EstimateContraction(Disc(), np.zeros(4), step=-1), "step is -1 | at some point | give numbers >= 0"),
     # Inverses.
@@ -83,6 +105,19 @@ SOLVERS = [
      "conjugate gradients came to | instead of 1.0e-08 in 2 steps | take inverse='sparsecholesky'"),
     (lambda _: Indefinite(Block()),
      "the matrix is not positive definite | nothing holds the body, or the penalty is too small | add dirichlet"),
+    (lambda _: ConjugateGradients(preconditioner="ilu"),
+     "preconditioner is 'ilu' | of the matrix, its free dofs | give a function"),
+    (lambda _: Backwards(Block()), "Minus is not positive definite | it must be, and symmetric | take another one"),
+    # Inverses from outside.
+    (lambda _: First(lambda matrix: 3), "inverse=<lambda> raises TypeError | must return an object with Solve(load) | mend it"),
+    (lambda _: First(lambda matrix, free, disc: 3), "inverse=<lambda> makes 3 | which has no Solve | return an object"),
+    (lambda _: First(Spoilt(lambda x: 1 / 0)), "inverse=Own: Solve raises ZeroDivisionError | must return one | mend it"),
+    (lambda _: First(Spoilt(lambda x: x[:3])), "inverse=Own: Solve returns shape (3,) | real numbers, an array (48,) | give"),
+    (lambda _: First(Spoilt(lambda x: np.nan * x)),
+     "inverse=Own: Solve returns numbers that are not finite | for a matrix that is singular | take inverse='auto'"),
+    (lambda _: First(Spoilt(lambda x: x + 1), Conforming()),
+     "inverse=Own: Solve returns values at dofs that are not free | free dofs alone | make them 0"),
+    (lambda _: First(Spoilt(lambda x: 1.01 * x)), "inverse=Own: Solve | A x = b is to hold to 1e-10 | solve more accurately"),
     # Solvers.
     (lambda _: UzawaSolver(normal="both"), "normal is 'both' | 'explicit' or 'implicit' | choose"),
     (lambda _: UzawaSolver(acceleration="aitken"), "acceleration is 'aitken' | None or 'anderson' | choose"),

@@ -71,7 +71,7 @@ class Inverse(Protocol):
         ...
 
 
-class Iteration(Inverse, Protocol):
+class InexactInverse(Inverse, Protocol):
     """An `Inverse` that iterates: `LinearEquations.Iterate` asks it for as much as is needed."""
 
     @property
@@ -91,7 +91,7 @@ class Inverter(Protocol):
     have these attributes, else they count as False:
 
     symmetric : it is for symmetric positive definite matrices alone
-    iterates : it makes `Iteration`s, for symmetric discontinuous methods; contact is then solved in a subspace
+    iterates : it makes `InexactInverse`s, for symmetric discontinuous methods; contact is then solved in a subspace
     name : what reports call it, else that of the function or class
     """
 

@@ -57,7 +57,7 @@ class ConjugateGradients:
 
 
 class IterativeInverse:
-    """A^-1 for the matrix A of a symmetric discontinuous method, or A + T' W D T, which keeps `contracts.Iteration`.
+    """A^-1 for the matrix A of a symmetric discontinuous method, or A + T' W D T, which keeps `contracts.InexactInverse`.
 
     Parameters
     ----------

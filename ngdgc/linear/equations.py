@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contracts import Array, Inverse, Iteration
+from ..contracts import Array, Inverse, InexactInverse
 from ..exceptions import ProblemError
 from ..mesh.facets import Threads
 from ..tools.calls import ByKeyword
@@ -61,7 +61,7 @@ class LinearEquations(ABC):
             self.solves += 1
             return inverse.Solve(load)
 
-    def Iterate(self, inverse: Iteration, load: Array, *, tol: float, start: Array) -> Array:
+    def Iterate(self, inverse: InexactInverse, load: Array, *, tol: float, start: Array) -> Array:
         """The same from a start (ndof,) and to a tolerance."""
         with self.lock:
             before = inverse.iterations

@@ -36,7 +36,7 @@ def Made(inverter: Inverter, matrix: Any, disc: Any) -> Any:
     for member in ("Solve", "iterations") if iterates else ("Solve",):
         if not hasattr(inverse, member):
             raise ProblemError(f"inverse={name} makes {Short(inverse)}, which has no {member}; return an object as "
-                               f"contracts.{'Iteration' if iterates else 'Inverse'} describes it")
+                               f"contracts.{'InexactInverse' if iterates else 'Inverse'} describes it")
     return OutsideInverse(name, inverse, matrix, disc)
 
 

@@ -72,6 +72,7 @@ def Distance(one, other):
                for name in ("vector", "traction"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG(), Conforming()], ids=lambda method: method.name)
 @pytest.mark.parametrize("solver", [SemismoothNewtonSolver(), UzawaSolver(normal="implicit", acceleration="anderson")],
                          ids=["newton", "uzawa"])
@@ -128,7 +129,7 @@ def test_an_iteration_from_outside_is_asked_for_no_more_than_is_needed():
 
 def test_a_preconditioner_from_outside():
     """Symmetric Gauss-Seidel in the place of the cycle: the same solution in more steps."""
-    mesh = BoxMesh(3)
+    mesh = BoxMesh(2)
     def GaussSeidel(matrix, free, disc):
         smoother = matrix.CreateSmoother(free)
         def Mult(b, x):

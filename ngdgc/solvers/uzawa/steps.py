@@ -10,7 +10,6 @@ from ...contact.boundary import Scale
 from ...contact.graph import ContactGraph
 
 
-
 class ExplicitStep:
     """State (u, lambda), (2, n, d): t = p_n(u_n - g) n + p_t P(lambda + rho p_t u_t), P the projection onto the unit ball.
 
@@ -73,25 +72,25 @@ class AdaptiveStep(ImplicitStep):
 
     def Start(self, u):
         self.last, self.largest, self.residuals = (np.zeros_like(u), u), 1 / self.gamma, []
-        return self.Next(*self.last)
+        return super().Next(*self.last)
 
     def At(self, state):
         point = ContactGraph(self.contact, self.gamma).At(state)
-        self.expected = point.displacement
-        return point.traction, point.traction
+        return point.traction, (point.traction, point.displacement)
 
     def Next(self, memory, u):
-        dt, du = self.metric * (memory - self.last[0]), self.metric * (self.last[1] - u)
-        self.last = memory, u
+        traction, expected = memory
+        dt, du = self.metric * (traction - self.last[0]), self.metric * (self.last[1] - u)
+        self.last = traction, u
         product = np.vdot(dt, du)
         # Nothing moved at the start, and S vanishes where the trace space is smaller than the set of points.
         if product > 0:
             self.largest = max(self.largest, np.vdot(du, du) / product)
-            residual = np.linalg.norm(self.metric * (u - self.expected))
+            residual = np.linalg.norm(self.metric * (u - expected))
             self.residuals = self.residuals[-self.MEMORY:] + [residual]
             grown = residual > self.GROWTH * min(self.residuals)
             self.gamma = 1 / self.largest if grown else np.vdot(dt, dt) / product
-        return super().Next(memory, u)
+        return super().Next(traction, u)
 
 
 class Anderson:

@@ -11,8 +11,9 @@ from problems import EIGHT, METHODS, Pressed
 from running import (pytest_collection_modifyitems, pytest_runtest_logstart, pytest_runtest_makereport,  # noqa: F401  hooks
                      pytest_terminal_summary, pytest_xdist_auto_num_workers)
 
-from ngdgc import LDG, CoulombFriction, Foundation, NormalCompliance, TrescaFriction
+from ngdgc import LDG, CoulombFriction, Foundation, NormalCompliance, TrescaFriction, export
 from ngdgc.cases import example_4_2
+from ngdgc.commands import output
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
 
@@ -25,6 +26,13 @@ def eight(request):
 @pytest.fixture(params=METHODS, ids=["ip-auto", "ip-30", "h1"])
 def method(request):
     return request.param
+
+
+@pytest.fixture
+def quick(monkeypatch):
+    """One picture in place of all that a command draws."""
+    monkeypatch.setattr(output, "DrawResults", lambda solution, files, scale: files.Write(
+        "solution.html", lambda path: export.WriteHTML(solution, path, scale=scale)))
 
 
 @pytest.fixture(scope="session")

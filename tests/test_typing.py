@@ -4,6 +4,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 ROOT = Path(__file__).parents[1]
 SCRIPT = """\
 from ngsolve import CF, Mesh, y
@@ -43,6 +45,12 @@ print(problem.foundation[0].gap, problem.dirichlet["right"], problem.dim, disc.l
 """
 
 
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    """One for all scripts: what mypy reads of the package and of others it reads once."""
+    return tmp_path_factory.mktemp("scripts")
+
+
 def Checked(folder, scripts):
     """What mypy has to say of scripts, without the configuration of the package: (exit code, output)."""
     for name, script in scripts.items():
@@ -54,8 +62,8 @@ def Checked(folder, scripts):
     return done.returncode, done.stdout + done.stderr
 
 
-def test_a_script_as_users_write_it_is_right(tmp_path):
-    code, output = Checked(tmp_path, {"script": SCRIPT})
+def test_a_script_as_users_write_it_is_right(folder):
+    code, output = Checked(folder, {"script": SCRIPT})
     assert code == 0, output
 
 
@@ -78,10 +86,10 @@ WRONG = {
     "solution.Report()": ("solution.Raport()", '"ContactSolution" has no attribute "Raport"')}
 
 
-def test_mistakes_are_named(tmp_path):
+def test_mistakes_are_named(folder):
     """Each alone in a script that was right: that is the only complaint, on its line."""
     scripts = {f"wrong{number}": SCRIPT.replace(right, wrong, 1) for number, (right, (wrong, _)) in enumerate(WRONG.items())}
-    _, output = Checked(tmp_path, scripts)
+    _, output = Checked(folder, scripts)
     for (name, script), (_, complaint) in zip(scripts.items(), WRONG.values()):
         (line,) = (number for number, pair in enumerate(zip(SCRIPT.split("\n"), script.split("\n")), 1) if pair[0] != pair[1])
         errors = [text for text in output.split("\n") if text.startswith(f"{name}.py:") and ": error: " in text]

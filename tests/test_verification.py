@@ -1,6 +1,7 @@
 """Problems with exact solutions: B0, B1, B2 and B5, each with a datum changed so that the check must fail."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from ngdgc.exact import AffinePatch, CubicCompliance, ExactStrain, SmoothSlip, W
 from ngdgc.contact.graph import SLIP
 from ngdgc.meshes import BoxMesh, RectangleMesh, UnitMesh
 
+Patch = cache(AffinePatch)
 ZONE = {"slip": "slip", "stick": "stick", "open": "separation"}
 # The patch lies in every space, so what is left is round-off and the iteration's tolerance, both far below 1e-10.
 ROUNDOFF = 1e-10
@@ -30,7 +32,7 @@ def Solve(problem, method, mesh, order):
 @pytest.mark.parametrize("sides", ["dirichlet", "roller"])
 @pytest.mark.parametrize("zone", ["slip", "stick", "open"])
 def test_affine_patch_is_returned_to_roundoff(zone, sides, order, cells, method):
-    exact = AffinePatch(zone, sides=sides)
+    exact = Patch(zone, sides=sides)
     solution = Solve(exact.problem, method, RectangleMesh(2, cells=cells), order)
     assert L2Error(solution, exact.displacement) < ROUNDOFF
     assert EnergyError(solution, exact.displacement) < 1e3 * ROUNDOFF     # sqrt of moduli near 1e3, and a derivative
@@ -39,14 +41,14 @@ def test_affine_patch_is_returned_to_roundoff(zone, sides, order, cells, method)
 
 @pytest.mark.parametrize("zone", ["slip", "stick", "open"])
 def test_affine_patch_with_tractions_and_a_quadratic_law(zone, method):
-    exact = AffinePatch(zone, exponent=2, stiffness=400, sides="traction" if zone != "stick" else "dirichlet")
+    exact = Patch(zone, exponent=2, stiffness=400, sides="traction" if zone != "stick" else "dirichlet")
     solution = Solve(exact.problem, method, RectangleMesh(2), 1)
     assert L2Error(solution, exact.displacement) < ROUNDOFF
 
 
 @pytest.mark.parametrize("zone", ["slip", "stick"])
 def test_affine_patch_with_coulomb_friction(zone, method):
-    exact = AffinePatch(zone, coulomb=0.3)
+    exact = Patch(zone, coulomb=0.3)
     assert L2Error(Solve(exact.problem, method, RectangleMesh(2), 1), exact.displacement) < ROUNDOFF
 
 
@@ -55,13 +57,13 @@ def Changed(problem, **changes):
 
 
 def test_patch_control_halved_friction_bound_is_noticed(method):
-    exact = AffinePatch("slip")
+    exact = Patch("slip")
     halved = Changed(exact.problem, friction=TrescaFriction(1.5))
     assert L2Error(Solve(halved, method, RectangleMesh(2), 1), exact.displacement) > 1e-5
 
 
 def test_patch_control_bound_below_the_stick_traction_makes_it_slip(method):
-    exact = AffinePatch("stick")
+    exact = Patch("stick")
     solution = Solve(Changed(exact.problem, friction=TrescaFriction(1.0)), method, RectangleMesh(2), 1)
     free = np.abs(solution.points[:, 0] - 0.5) < 0.499      # points of H1 at the sides are held there
     assert np.all(solution.zones[free] == SLIP) and np.any(free)
@@ -69,7 +71,7 @@ def test_patch_control_bound_below_the_stick_traction_makes_it_slip(method):
 
 
 def test_patch_control_gap_moved_until_it_touches(method):
-    exact = AffinePatch("open")
+    exact = Patch("open")
     solution = Solve(Changed(exact.problem, gap=0.0), method, RectangleMesh(2), 1)
     assert solution.ZoneLengths()["separation"] == 0
     assert L2Error(solution, exact.displacement) > 1e-4
@@ -135,7 +137,7 @@ def test_cubic_solution_has_no_residual_at_order_three(cells, friction, method):
     *(("stick", sides, cells) for sides in ("dirichlet", "roller") for cells in ("tet", "hex", "prism"))])
 def test_patch_in_three_dimensions(zone, sides, cells, method):
     """The same code with d = 3: an oblique direction in the plane z = 0."""
-    exact = AffinePatch(zone, sides=sides, coulomb=0.15 if zone == "open" else None, dim=3)
+    exact = Patch(zone, sides=sides, coulomb=0.15 if zone == "open" else None, dim=3)
     solution = Solve(exact.problem, method, BoxMesh(2, cells=cells), 1)
     assert L2Error(solution, exact.displacement) < ROUNDOFF
     assert EnergyError(solution, exact.displacement) < 1e3 * ROUNDOFF
@@ -224,7 +226,7 @@ def test_bad_arguments_of_the_patch_and_the_box():
 
 def test_relative_strain_error_of_a_known_pair():
     """u_h = u up to round-off; against 2 u it is |eps(u)|/|eps(2 u)|."""
-    exact = AffinePatch("slip")
+    exact = Patch("slip")
     solution = Solve(exact.problem, Conforming(), RectangleMesh(2), 1)
     assert StrainError(solution, exact.displacement) < ROUNDOFF
     assert StrainError(solution, 2 * exact.displacement) == pytest.approx(0.5, rel=1e-9)

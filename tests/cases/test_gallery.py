@@ -1,6 +1,7 @@
 """The cases: all of them run small with the methods, and answer their questions; each with a datum changed that must fail."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -17,6 +18,23 @@ SOLID = {"hertz_sphere", "machine_part", "rubber_pad_3d", "step_part"}
 TWO = [InteriorPenalty(), Conforming()]
 ALL = [*TWO, BassiEtAl(), BrezziEtAl(), LDG()]
 PAIRS = [(name, method) for name in CaseFiles() for method in (TWO if name in SOLID else ALL)]
+
+
+@cache
+def Case(name):
+    """A case as the command loads it, whose meshes are made once: no test changes a mesh."""
+    case = LoadCase(name)
+    case.Mesh = cache(case.Mesh)
+    return case
+
+
+@pytest.fixture(scope="module", autouse=True)
+def meshes():
+    """Those of solids are made once, for all tests."""
+    with pytest.MonkeyPatch.context() as patch:
+        for case in (hertz_sphere, machine_part, rubber_pad_3d, step_part):
+            patch.setattr(case, "Mesh", cache(case.Mesh))
+        yield
 
 
 def Errors(case, solution):
@@ -36,7 +54,7 @@ def two(request):
 @pytest.mark.parametrize("name, method", PAIRS, ids=[f"{name}-{method.name}" for name, method in PAIRS])
 def test_every_case_runs_small(name, method):
     """The contract Main(method=, order=, n=, callback=) -> ContactSolution, in equilibrium; Compare gives pairs of numbers."""
-    case, steps = LoadCase(name), []
+    case, steps = Case(name), []
     solution = case.Main(method=method, order=1, n=4, callback=steps.append)
     assert isinstance(solution, ContactSolution) and solution.converged and steps == solution.history
     assert solution.energy > 0 and solution.GlobalImbalance() < 1e-7      # friction of stiff laws is found to 1e-10 of its size
@@ -46,7 +64,7 @@ def test_every_case_runs_small(name, method):
 
 @pytest.mark.parametrize("name", CaseFiles())
 def test_every_case_asks_a_question(name):
-    text = LoadCase(name).__doc__
+    text = Case(name).__doc__
     positions = [text.find(f"\n{part}") for part in ("Question:", "Domain:", "Problem:", "What to look at:", "Source:")]
     assert positions == sorted(positions) and positions[0] > 0
     assert text[positions[0]:positions[1]].rstrip().endswith("?") and text.splitlines()[0].endswith(".")
@@ -168,7 +186,7 @@ def test_step_file_is_what_its_function_writes(tmp_path, monkeypatch):
     """Volume and named areas of the shipped solid; a larger bore would be seen."""
     def Sizes(path):
         monkeypatch.setattr(step_part, "FILE", path)
-        mesh = step_part.Mesh(4, 1)
+        mesh = step_part.Mesh.__wrapped__(4, 1)     # anew
         return [Integrate(1, mesh), *(Integrate(1, mesh.Boundaries(name)) for name in ("pad", "screw", "bore", "free"))]
 
     shipped = Sizes(step_part.FILE)

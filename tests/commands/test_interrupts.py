@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from ngdgc import ContactSolution, ProblemError, export
-from ngdgc.commands import output, studies
+from ngdgc.commands import studies
 from ngdgc.solution import storage
 from ngdgc.studies import accuracy, convergence, locking
 from ngdgc.cases import example_4_1
@@ -37,13 +37,6 @@ def Kill(number=signal.SIGTERM):
 def Left(folder):
     """Names of all files in a folder and below."""
     return {path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file()}
-
-
-@pytest.fixture
-def quick(monkeypatch):
-    """One picture in place of all."""
-    monkeypatch.setattr(output, "DrawResults", lambda solution, files, scale: files.Write(
-        "solution.html", lambda path: export.WriteHTML(solution, path, scale=scale)))
 
 
 def Loaded(folder):

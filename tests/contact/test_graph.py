@@ -4,6 +4,7 @@ Whether a pair obeys the law is decided here from (2.7)-(2.9) alone, with formul
 """
 
 from dataclasses import replace
+from functools import cache
 from types import SimpleNamespace
 
 import numpy as np
@@ -25,12 +26,16 @@ FRICTIONS = {"none": (None, lambda r, p, s: 0 * r), "coulomb": (CoulombFriction(
 GAMMAS = [0.5, 20.0, 1e3]
 
 
+@cache     # no test changes a mesh
+def Mesh(dim):
+    return RectangleMesh(100) if dim == 2 else BoxMesh(7, cells="hex")
+
+
 def Contact(dim, compliance, friction, gap=0.02):
     """200 points with random normals: a ContactBoundary whose foundation is round."""
     foundation = Foundation("bottom", NormalCompliance(*compliance), friction=FRICTIONS[friction][0], gap=gap)
-    mesh = RectangleMesh(100) if dim == 2 else BoxMesh(7, cells="hex")
     problem = ContactProblem(HookeMaterial(E=1, nu=0.3), foundation, dirichlet={"top": (0,) * dim})
-    contact = Discretization(problem, LDG(), mesh, order=1).contact
+    contact = Discretization(problem, LDG(), Mesh(dim), order=1).contact
     contact.flexibility = 0.0       # the scale of displacements is the largest of them, whatever a body would do
     normals = np.random.default_rng(5).standard_normal(contact.normals.shape)
     contact.normals = normals / np.linalg.norm(normals, axis=1)[:, None]

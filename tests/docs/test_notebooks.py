@@ -126,5 +126,5 @@ def test_sliders_answer_in_less_than_a_second():
             seconds.append(time.process_time() - start)
         assert min(seconds) < LIVE, position
     start = time.process_time()
-    names["Press"](0.02, 1e4, 0.8, n=64)
-    assert time.process_time() - start > min(seconds), "the clock does not see a problem that is 30 times larger"
+    names["Press"](0.02, 1e4, 0.8, n=48)
+    assert time.process_time() - start > min(seconds), "the clock does not see a problem that is larger by far"

@@ -97,6 +97,7 @@ def Told(message, pattern):
     return all(part.strip() in message for part in pattern.split(" | "))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(len(ROWS)), ids=[pattern for _, pattern in ROWS])
 def test_message_names_culprit_expectation_and_remedy(number):
     message, _ = Made(number)
@@ -105,6 +106,7 @@ def test_message_names_culprit_expectation_and_remedy(number):
     assert "Traceback" not in message and "\n" not in message.strip()
 
 
+@pytest.mark.slow
 def test_every_error_is_raised_and_read():
     found = [Made(number) for number in range(len(ROWS))]
     messages, lines = [message for message, _ in found], set().union(*(lines for _, lines in found))

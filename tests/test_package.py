@@ -100,6 +100,7 @@ def test_imports_run_downwards_and_in_no_circle():
     assert Circles(arrows) == []
 
 
+@pytest.mark.slow
 def test_an_import_upwards_and_a_circle_are_seen():
     """Also in a function, and for type checkers alone."""
     lines = ["from ..solvers import UzawaSolver", "def F():\n    from ..solvers.driver import Drive",
@@ -134,6 +135,7 @@ def test_star_import_changes_no_name_of_ngsolve():
     assert imported == set(ngdgc.__all__)
 
 
+@pytest.mark.slow
 def test_import_adds_less_than_half_a_second(tmp_path):
     # Time of the processor: other processes of the tests take what they like of the clock's.
     code = ("import time, ngsolve; start = time.process_time(); import ngdgc; print(time.process_time() - start);"
@@ -147,6 +149,7 @@ def test_import_adds_less_than_half_a_second(tmp_path):
 MODULES = [module.name for module in pkgutil.walk_packages(ngdgc.__path__, "ngdgc.") if ".cases" not in module.name]
 
 
+@pytest.mark.slow
 def test_doctests():
     results = [doctest.testmod(importlib.import_module(name)) for name in MODULES]
     assert sum(result.failed for result in results) == 0

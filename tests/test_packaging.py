@@ -92,12 +92,14 @@ def Contents(wheel):
     return Files("ngdgc") | {f"ngdgc/{name}" for name in Files("cases")}, found
 
 
+@pytest.mark.slow
 def test_wheel_has_the_files_of_the_packages_and_no_others(wheel):
     wanted, found = Contents(wheel)
     assert found == wanted
     assert {"ngdgc/py.typed", "ngdgc/cases/example_4_1.py", "ngdgc/exercises/__init__.py"} < found
 
 
+@pytest.mark.slow
 def test_a_package_that_setup_forgets_is_noticed(source, wheel, tmp_path):
     """Also by the imports: ngdgc in the environment of the tests does not help out the one before it on the path."""
     forgetful = shutil.copytree(source, tmp_path / "forgetful")
@@ -115,6 +117,7 @@ def test_a_package_that_setup_forgets_is_noticed(source, wheel, tmp_path):
     assert runs[broken].returncode != 0 and "No module named 'ngdgc.solvers'" in runs[broken].stderr
 
 
+@pytest.mark.slow
 def test_everything_installed_can_be_imported_where_no_source_is(scripts, tmp_path):
     done = Run(scripts / "python", "-c", ImportAll(), cwd=tmp_path)
     assert done.returncode == 0, done.stderr

@@ -47,6 +47,7 @@ def Violations(exact, problem, method, mesh, order):
 
 # The conforming rule on triangles of Gamma_C has degree 6 at order 4, one too few for p_n v_n; that of degree 7 would have 16
 # points for 8 traces.
+@pytest.mark.slow
 @pytest.mark.parametrize("method, cells", [
     (method, cells) for method in (InteriorPenalty(), BassiEtAl(), BrezziEtAl(form="lifting"), LDG(), Conforming())
     for cells in ("triangle", "quad", "hex", "tet") if method.discontinuous or cells != "tet"])
@@ -70,6 +71,7 @@ def test_three_zones_control_another_law_is_violated(changes):
     assert Violations(exact, Changed(exact.problem, **changes), Conforming(), Columns("quad"), 4)[1] > 1e-3
 
 
+@pytest.mark.slow
 def test_three_zones_are_found_by_a_solver():
     """From zero, to the tolerance; without half the friction nothing sticks; on other meshes the ends are met to a cell."""
     exact = ThreeZones()
@@ -99,6 +101,7 @@ class Exponential(ComplianceLaw):
         return self.scale * np.where(r > 0, np.exp(np.maximum(r, 0)), 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("friction, bound", [
     (SlipWeakeningFriction(static=0.6, dynamic=0.3, distance=0.1), lambda p, s: (0.3 + 0.3 * exp(-s / 0.1)) * p),
@@ -177,6 +180,7 @@ def test_exact_solutions_know_their_zones(exact, order, upper, found):
     assert np.all(exact.zones(np.zeros((2, 2))) == found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dim", [2, 3])
 def test_smooth_slip_knows_its_zone(dim):
     exact = SmoothSlip(dim=dim)

@@ -62,6 +62,7 @@ def Checked(folder, scripts):
     return done.returncode, done.stdout + done.stderr
 
 
+@pytest.mark.slow
 def test_a_script_as_users_write_it_is_right(folder):
     code, output = Checked(folder, {"script": SCRIPT})
     assert code == 0, output
@@ -86,6 +87,7 @@ WRONG = {
     "solution.Report()": ("solution.Raport()", '"ContactSolution" has no attribute "Raport"')}
 
 
+@pytest.mark.slow
 def test_mistakes_are_named(folder):
     """Each alone in a script that was right: that is the only complaint, on its line."""
     scripts = {f"wrong{number}": SCRIPT.replace(right, wrong, 1) for number, (right, (wrong, _)) in enumerate(WRONG.items())}
@@ -96,6 +98,7 @@ def test_mistakes_are_named(folder):
         assert len(errors) == 1 and errors[0].startswith(f"{name}.py:{line}: ") and complaint in errors[0], (complaint, errors)
 
 
+@pytest.mark.slow
 def test_the_package_is_consistent_with_its_own_hints(tmp_path):
     done = subprocess.run([sys.executable, "-P", "-m", "mypy", "--cache-dir", str(tmp_path), "ngdgc"], cwd=ROOT,
                           capture_output=True, text=True)

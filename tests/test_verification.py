@@ -27,6 +27,7 @@ def Solve(problem, method, mesh, order):
     return SOLVER.Solve(Discretization(problem, method, mesh, order=order))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", ["triangle", "quad"])
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("sides", ["dirichlet", "roller"])
@@ -90,6 +91,7 @@ def test_winkler_column(exponent, method):
     assert L2Error(solution, deeper.displacement) > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3, 4])
 @pytest.mark.parametrize("method", METHODS[::2], ids=["ip", "h1"])
 def test_smooth_slip_converges_at_full_rates(method, order):
@@ -113,6 +115,7 @@ def test_smooth_slip_control_wrong_coefficient_stops_converging(method):
     assert abs(Rates(errors)[0]) < 0.1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [None, TrescaFriction(7.0)])
 @pytest.mark.parametrize("cells", ["triangle", "quad"])
 def test_cubic_solution_has_no_residual_at_order_three(cells, friction, method):
@@ -131,6 +134,7 @@ def test_cubic_solution_has_no_residual_at_order_three(cells, friction, method):
     assert ExactResidual(Changed(exact.problem, gap=0.01), 3) > 1e-5       # the gap is not zero
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("zone, sides, cells", [
     *(("slip", sides, cells) for sides in ("dirichlet", "roller", "traction") for cells in ("tet", "hex", "prism")),
     *(("open", "roller", cells) for cells in ("tet", "hex", "prism")),
@@ -186,6 +190,7 @@ def test_smooth_slip_fulfils_equilibrium_and_the_law(lam, dim):
 
 
 # Meshes 1/2 and 1/4; order 2 with the two methods that are solved fastest, `ngdgc convergence --cells tet` does the others.
+@pytest.mark.slow
 @pytest.mark.parametrize("method, cells, order", [
     *((method, cells, 1) for method in (InteriorPenalty(), LDG(), Conforming()) for cells in ("tet", "hex", "prism")),
     (BassiEtAl(form="lifting"), "tet", 1), (BassiEtAl(form="lifting"), "tet", 2), (Conforming(), "tet", 2),
@@ -200,6 +205,7 @@ def test_smooth_slip_converges_at_full_rates_in_three_dimensions(method, cells, 
     assert Rates(l2)[0] == pytest.approx(order + 1, abs=0.15)
 
 
+@pytest.mark.slow
 def test_smooth_slip_control_friction_in_the_wrong_direction_stops_converging():
     """The oblique direction matters: the tangential displacement of another one does not solve the problem."""
     exact = SmoothSlip(dim=3)

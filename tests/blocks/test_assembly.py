@@ -45,6 +45,7 @@ def test_a_part_of_the_elements_has_their_matrices(mesh, material):
     assert np.abs(part.energy - group.energy[np.sort(rows)]).max() > 1e-3 * np.abs(group.energy).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), BassiEtAl()], ids=repr)
 def test_threads_change_no_digit(method):
     """Workers write blocks of neighbours at the same time, each into entries of its own."""
@@ -69,6 +70,7 @@ with TaskManager():
 np.savez(sys.argv[1], *(example_4_1.Main(method=method, n=40).displacement for method in (InteriorPenalty(), Conforming())))"""
 
 
+@pytest.mark.slow
 def test_threads_of_ngsolve_change_nothing_but_round_off(tmp_path):
     """The processes in which tests run side by side have one thread, a user's has one for each processor."""
     found = {}
@@ -150,6 +152,7 @@ def test_boundary_points_lie_where_their_images_inside_do(mesh):
         assert np.all(np.asarray(incident) > 0)
 
 
+@pytest.mark.slow
 def test_assembly_keeps_little_beside_the_matrix():
     """An entry of the matrix takes 12 bytes, value and column; tables of the blocks of all sides took 1.5 times that."""
     tracemalloc.start()

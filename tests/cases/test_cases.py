@@ -23,6 +23,7 @@ def some(request):
     return request.param
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [0.1, 100.0, 1e6, 1e12])
 @pytest.mark.parametrize("exponent", [1, 1.5, 2])
 def test_column_under_pressure(stiffness, exponent, some):
@@ -38,6 +39,7 @@ def test_column_under_pressure(stiffness, exponent, some):
     assert L2Error(solution, deeper.displacement) == pytest.approx(0.01, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [None, CoulombFriction(0.4)])
 def test_cubic_solution_is_found_at_order_three(friction, some):
     exact = CubicCompliance(friction=friction)
@@ -49,6 +51,7 @@ def test_cubic_solution_is_found_at_order_three(friction, some):
     assert L2Error(low, exact.displacement) > 1e-5
 
 
+@pytest.mark.slow
 def test_three_zones_are_found(some):
     exact = ThreeZones()
     solution = DenseNewton(Discretization(exact.problem, some, RectangleMesh(4), order=4), scale=1e3)
@@ -56,6 +59,7 @@ def test_three_zones_are_found(some):
     assert SameZones(solution.zones, solution.points, exact)
 
 
+@pytest.mark.slow
 def test_plate_of_the_greco_group(some):
     """u_x at five points: 3 per cent around the published values, and a conforming penalty solution to its digits."""
     penalty = np.array([2.860, 2.722, 2.286, 1.980, 1.541]) * 1e-5
@@ -74,6 +78,7 @@ def test_plate_of_the_greco_group(some):
     assert np.all(Slips(coefficient=0.5)[1] > 1.1 * slips)          # half the friction
 
 
+@pytest.mark.slow
 def test_beam_on_a_foundation_that_breaks(some):
     """Two solutions of one problem: unbroken, with the values of the peer where there is no friction, and broken."""
     def Unbroken(friction):
@@ -94,6 +99,7 @@ def test_beam_on_a_foundation_that_breaks(some):
     assert broken.converged and broken.penetration.max() > 1 and broken.ZoneLengths()["separation"] > 1.5
 
 
+@pytest.mark.slow
 def test_rate_towards_the_rigid_foundation(some):
     stiffnesses = 10.0 ** np.arange(6, 13)
 

@@ -21,6 +21,7 @@ def references():
     return values
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order, tolerance, corner", [(1, 0.01, 0.02), (3, 0.001, 0.003)])
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 @pytest.mark.parametrize("name", CASES)

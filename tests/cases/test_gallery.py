@@ -51,6 +51,7 @@ def two(request):
     return request.param
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name, method", PAIRS, ids=[f"{name}-{method.name}" for name, method in PAIRS])
 def test_every_case_runs_small(name, method):
     """The contract Main(method=, order=, n=, callback=) -> ContactSolution, in equilibrium; Compare gives pairs of numbers."""
@@ -74,6 +75,7 @@ def test_there_are_twelve_cases_and_more():
     assert len(CaseFiles()) >= 17
 
 
+@pytest.mark.slow
 def test_block_keeps_its_forces_and_nearly_the_contact_of_a_rigid_one(two):
     errors = Errors(pressed_block, solution := pressed_block.Main(method=two))
     assert np.abs(errors[:2]).max() < 1e-8          # balance, to the tolerance of the solver
@@ -83,6 +85,7 @@ def test_block_keeps_its_forces_and_nearly_the_contact_of_a_rigid_one(two):
     assert np.abs(Errors(pressed_block, less)[1:]).min() > 0.04
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case, n, tolerances, soft", [(hertz_line, 16, (1e-4, 5e-3, 5e-3), 2e3),
                                                        (hertz_sphere, 12, (1e-3, 0.03, 0.03), 2e3)], ids=["line", "sphere"])
 def test_contact_of_hertz(case, n, tolerances, soft, two):
@@ -97,6 +100,7 @@ def test_contact_of_hertz(case, n, tolerances, soft, two):
     assert yielding[1] > 1.5 * tolerances[1] and yielding[2] < -1.5 * tolerances[2]
 
 
+@pytest.mark.slow
 def test_waves_touch_as_westergaard_says(two):
     solution = wavy_foundation.Main(method=two)
     assert np.all(np.abs(Errors(wavy_foundation, solution)) < (1e-8, 0.03, 0.01))     # the length in steps of 0.2 of 7.2 mm
@@ -123,6 +127,7 @@ def test_rubber_pad_locks_at_order_one(two):
     assert soft < -0.1
 
 
+@pytest.mark.slow
 def test_round_rubber_bearing():
     """The estimate is met by order 2, and by far not by conforming elements of order 1."""
     assert np.abs(Errors(rubber_pad_3d, rubber_pad_3d.Main())) < 0.05
@@ -130,6 +135,7 @@ def test_round_rubber_bearing():
     assert Errors(rubber_pad_3d, rubber_pad_3d.Main(n=4, nu=0.4)) < -0.1
 
 
+@pytest.mark.slow
 def test_block_of_two_materials_settles_like_a_rigid_one(two):
     errors = Errors(two_materials, two_materials.Main(method=two))
     assert abs(errors[0]) < 1e-8 and abs(errors[2]) < 0.02 and np.abs(errors[[1, 3]]).max() < 0.06     # it bends
@@ -137,6 +143,7 @@ def test_block_of_two_materials_settles_like_a_rigid_one(two):
     assert np.abs(Errors(two_materials, level)[2:]).min() > 0.1
 
 
+@pytest.mark.slow
 def test_slab_has_two_states_for_one_pull(two):
     """On the way up it sticks where on the way down it slips; it breaks loose and rests between the pulls of the formula."""
     pulls = [0.008, 0.01, 0.011, 0.012, 0.013, 0.014, 0.015, 0.0162, 0.017]
@@ -155,6 +162,7 @@ def test_slab_has_two_states_for_one_pull(two):
     assert all(other == pytest.approx(one, abs=1e-9) for other in others)
 
 
+@pytest.mark.slow
 def test_roller_creeps_in_from_both_ends(two):
     """The sticking part shrinks with the pull as Cattaneo says, to the resolution of the zones; not with half the friction."""
     parts = []
@@ -167,6 +175,7 @@ def test_roller_creeps_in_from_both_ends(two):
     assert abs(computed - expected) > 0.15
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case, order", [(machine_part, 2), (step_part, 2)], ids=["machine", "step"])
 def test_parts_from_cad_balance(case, order):
     """Forces to the error of the curved area on which they act; stronger bolts or a stiffer pad give another answer."""
@@ -182,6 +191,7 @@ def test_parts_from_cad_balance(case, order):
         assert Errors(case, Solve(replace(problem, traction=stronger), case.Mesh(4, order), Conforming(), order))[0] > 0.2
 
 
+@pytest.mark.slow
 def test_step_file_is_what_its_function_writes(tmp_path, monkeypatch):
     """Volume and named areas of the shipped solid; a larger bore would be seen."""
     def Sizes(path):
@@ -197,6 +207,7 @@ def test_step_file_is_what_its_function_writes(tmp_path, monkeypatch):
     assert Sizes(tmp_path / "other.step") != pytest.approx(shipped, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_plate_is_compared_with_what_was_published(two):
     """Five displacements to the 5 per cent of the source; half the friction lets the plate slide farther."""
     assert np.abs(Errors(greco_plate, greco_plate.Main(method=two))).max() < 0.05
@@ -204,6 +215,7 @@ def test_plate_is_compared_with_what_was_published(two):
     assert Errors(greco_plate, smooth).min() > 0.1
 
 
+@pytest.mark.slow
 def test_command_draws_a_solid_part_from_anywhere(tmp_path, monkeypatch, capsys):
     """All files of a run, of an installed case that reads a STEP file, and every picture has something in it."""
     monkeypatch.chdir(tmp_path)

@@ -25,6 +25,7 @@ def Command(*arguments, **options):
     return subprocess.run([COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=120, **options)
 
 
+@pytest.mark.slow
 def test_run_leaves_everything(tmp_path):
     out = tmp_path / "deep" / "results"
     done = Command("run", CASE, "--method", "ip", "--n", 4, "--order", 1, "--out", out)
@@ -44,6 +45,7 @@ def test_run_leaves_everything(tmp_path):
     assert loaded.displacement == pytest.approx(solution.displacement, abs=1e-12)
 
 
+@pytest.mark.slow
 def test_every_option_reaches_the_solution(tmp_path, capsys):
     assert Main(["run", "example_4_1", *"--method ldg --form lifting --penalty 0.5 --n 2".split(), "--out", str(tmp_path)]) == 0
     assert json.loads((tmp_path / "report.json").read_text())["options"] == "LDG(penalty=0.5, form='lifting')"
@@ -60,6 +62,7 @@ def test_every_option_reaches_the_solution(tmp_path, capsys):
     assert abs(numbers["elastic_energy"] - strain) < abs(numbers["elastic_energy"] - stress)
 
 
+@pytest.mark.slow
 def test_a_case_has_its_own_order_and_says_what_it_should_give(quick, tmp_path, capsys):
     """Order 2 without --order, and the table of its Compare; an example of the paper has order 1, and nothing of the kind."""
     assert Main(["run", "greco_plate", "--method", "h1", "--n", "4", "--out", str(tmp_path)]) == 0
@@ -122,6 +125,7 @@ def test_nothing_is_meant_by_what_is_near_to_nothing(capsys):
         assert ExitCode(words) == 2 and "did you mean" not in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_names_are_found_in_any_case(quick, tmp_path):
     words = "run Example_4_1 --method LDG --form Lifting --solver Newton --cells Quad --plane STRAIN --n 2 --out"
     assert Main([*words.split(), str(tmp_path)]) == 0
@@ -139,6 +143,7 @@ def Variant(tmp_path, old, new):
     return path
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("old, new, culprit", [
     ('"right": CF((0, 0))', '"rihgt": CF((0, 0))', "dirichlet region 'rihgt' matches no boundary"),
     ("stiffness=450", "stiffness=-450", "stiffness is -450"), ("def Main(", "def Mian(", "has no function Main"),
@@ -158,6 +163,7 @@ def test_unwritable_folder_is_one_line(tmp_path, capsys):
     assert "cannot write into" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_not_converged_writes_what_was_computed(tmp_path):
     stiff = Variant(tmp_path, "stiffness=450", "stiffness=4500")
     done = Command("run", stiff, "--n", 4, "--solver", "uzawa", "--out", tmp_path / "out")
@@ -166,6 +172,7 @@ def test_not_converged_writes_what_was_computed(tmp_path):
     assert "NOT CONVERGED" in (tmp_path / "out" / "report.txt").read_text()
 
 
+@pytest.mark.slow
 def test_interrupting_leaves_what_was_computed(tmp_path):
     """Ctrl-C while an iteration with a tiny rho crawls."""
     arguments = ["run", str(CASE), *"--n 4 --solver uzawa --rho 1e-7 --maxiter 100000000 --out".split(), str(tmp_path)]

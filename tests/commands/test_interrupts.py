@@ -43,6 +43,7 @@ def Loaded(folder):
     return ContactSolution.Load(folder / "solution", example_4_1.Problem())
 
 
+@pytest.mark.slow
 def test_a_signal_during_the_iteration_leaves_the_last_iterate(tmp_path):
     """While an iteration with a tiny rho crawls; for Ctrl-C the same is tested among the commands."""
     arguments = [*RUN, str(tmp_path), *"--solver uzawa --rho 1e-7 --maxiter 100000000".split()]
@@ -60,6 +61,7 @@ def test_a_signal_during_the_iteration_leaves_the_last_iterate(tmp_path):
     assert PRECIOUS < named and named == {path.name + "/" * path.is_dir() for path in tmp_path.iterdir()}
 
 
+@pytest.mark.slow
 def test_signals_that_are_ignored_stay_ignored(tmp_path):
     """As `nohup` wants it: a signal before the first line, and the run ends as if there had been none."""
     command = [COMMAND, *"locking --method h1 --order 1 --n 2 --lam 1 10 --out".split(), tmp_path]
@@ -82,6 +84,7 @@ def test_a_signal_before_the_first_iterate_leaves_nothing(tmp_path, capsys, monk
     assert "written" not in output.out and Left(tmp_path) == {"case.py"} and not (tmp_path / "deep").exists()
 
 
+@pytest.mark.slow
 def test_a_signal_on_a_mesh_that_predicts_leaves_nothing_that_looks_like_a_solution(tmp_path, capsys, monkeypatch):
     """Two meshes: in the first Newton step on the coarse one, and on the fine one, which is the control."""
     for fine, files in ((False, set()), (True, {"solution/solution.json"})):
@@ -170,6 +173,7 @@ def Shell(command):
     return subprocess.run(["bash", "-o", "pipefail", "-c", f"{COMMAND} {command}"], capture_output=True, text=True, timeout=120)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("redirect, code, words", [(">&- 2>&-", 0, ""), (">/dev/full", 2, "No space left on device"),
                                                    ("| head -n 1", 0, "")])
 def test_an_output_that_nobody_takes_costs_no_file(redirect, code, words, tmp_path):
@@ -179,6 +183,7 @@ def test_an_output_that_nobody_takes_costs_no_file(redirect, code, words, tmp_pa
     assert json.loads((tmp_path / "report.json").read_text())["converged"] is True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("redirect, code, words", [(">&-", 0, "cannot be written: it is closed"), ("2>&-", 0, ""),
                                                    (">/dev/full", 2, "No space left on device"), ("| true", 0, "")])
 def test_commands_that_only_print_tell_who_does_not_listen(redirect, code, words):
@@ -187,11 +192,13 @@ def test_commands_that_only_print_tell_who_does_not_listen(redirect, code, words
     assert ("example_4_1" in done.stdout) == (redirect == "2>&-")
 
 
+@pytest.mark.slow
 def test_a_study_goes_on_when_its_reader_has_gone(tmp_path):
     done = Shell(f"locking --method h1 --order 1 --n 2 --lam 1 10 --out {tmp_path} | true")
     assert done.returncode == 0 and "Traceback" not in done.stderr and Left(tmp_path) == {"locking.txt", "locking.png"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fails, left", [("solution", {"report.json", "report.txt"}),
                                          ("report.txt", {"solution/", "report.json"}),
                                          ("law.png", PRECIOUS | {"solution.html", "solution.vtu", "contact.vtu", "setting.png",
@@ -211,6 +218,7 @@ def test_a_full_disk_is_one_line_and_the_report_is_printed(fails, left, tmp_path
     assert (f": {', '.join(sorted(left, key=output.out.rindex))}\n" in output.out) if left else not (tmp_path / "new").exists()
 
 
+@pytest.mark.slow
 def test_a_limit_of_file_sizes_leaves_what_fits(tmp_path):
     """A real one: the solution fits, the page with the viewer does not."""
     limit = 100_000
@@ -268,6 +276,7 @@ STUDIES = [(convergence, "convergence --method ip --n 2 4 --order 1"),
            (accuracy, "accuracy --method ip --order 1 2 --cells quad --budget 1e-9")]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("study, words", STUDIES, ids=["convergence", "locking", "accuracy"])
 def test_a_study_that_is_stopped_keeps_what_was_computed(study, words, tmp_path, capsys, monkeypatch):
     """At its second part."""

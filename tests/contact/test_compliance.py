@@ -121,6 +121,7 @@ def test_stiffness_couples_dofs_that_the_matrix_does_not():
     assert Residual(disc, found.vector, found.traction) < ROUNDOFF
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [0.0, 0.3, 1.0, -2.0])
 def test_loads_and_prescribed_values_are_scaled_together(disc, load):
     """Meet(load=) is the problem with all data multiplied; D and the line to be met are not."""

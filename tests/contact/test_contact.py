@@ -48,6 +48,7 @@ def test_boundary_points_are_the_same_seen_from_inside(name):
     assert np.all(np.einsum("nd,nd->n", quadrature.coordinates - centroids, quadrature.normals) > 0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 3])
 @pytest.mark.parametrize("name", ["quad", "ring", "hole", "tet", "hex", "prism"])
 def test_trace_matrix_is_evaluation_and_its_transpose_is_the_load(name, order, method):

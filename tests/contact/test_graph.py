@@ -75,6 +75,7 @@ def Violation(contact, compliance, friction, u, t, uscale, tscale):
     return np.max([normal, excess, np.where(s > 1e-13 * uscale, opposed, 0)], axis=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gamma", GAMMAS)
 @pytest.mark.parametrize("friction", FRICTIONS)
 @pytest.mark.parametrize("compliance", COMPLIANCES, ids=lambda law: f"{law[0]:g}^{law[1]}")
@@ -103,6 +104,7 @@ def test_every_q_has_its_pair_on_the_graph(dim, compliance, friction, gamma):
     assert np.any(seen) or compliance[0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gamma", [20.0, 1e3])
 @pytest.mark.parametrize("friction", FRICTIONS)
 @pytest.mark.parametrize("compliance", COMPLIANCES, ids=lambda law: f"{law[0]:g}^{law[1]}")

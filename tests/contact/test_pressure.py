@@ -53,6 +53,7 @@ def test_a_roller_of_rubber_touches_where_its_pressure_is(method):
     assert np.abs(residual).max() < 1e-8 * np.abs(pull).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [None, CoulombFriction(0.3), TrescaFriction(0.2)], ids=["none", "coulomb", "tresca"])
 @pytest.mark.parametrize("mesh, u", [(RectangleMesh(8), (0.03, -0.02)), (BoxMesh(3), (0.03, 0.01, -0.02))], ids=["2D", "3D"])
 def test_friction_is_kept_where_the_law_has_it(mesh, u, friction):

@@ -99,6 +99,7 @@ def AtPoints(function, points):
         return np.full(len(points), np.nan)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("shape", [name for name in MESHES if name != "curved"])
 def test_every_kind_of_function_has_its_values_inside(shape, kind):
@@ -140,6 +141,7 @@ def Forces(mesh, method, *, k=300, coefficient=0.3, gap=0.02, top=(0.05, -0.1), 
 SOLVED = [InteriorPenalty(), LDG(form="lifting"), BassiEtAl(), Conforming()]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", SOLVED, ids=[method.name for method in SOLVED])
 def test_discontinuous_data_act_as_numbers_do(method):
     mesh = RectangleMesh(4)
@@ -175,6 +177,7 @@ def test_discontinuous_data_in_space():
     assert not np.allclose(Solution(gap=0), right, rtol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), Conforming()], ids=lambda method: method.name)
 def test_a_prescribed_normal_and_a_gap_with_the_normal_in_a_hole(method):
     mesh, found = Holed(2), []
@@ -190,6 +193,7 @@ def test_a_prescribed_normal_and_a_gap_with_the_normal_in_a_hole(method):
     assert not np.allclose(found[2], found[1], rtol=0.5)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", ["triangles", "quads", "tetrahedra", "hexahedra", "prisms"])
 def test_prescribed_normals_on_mirrored_meshes(shape):
     mesh = MESHES[shape]()

@@ -75,6 +75,7 @@ def test_a_mesh_deformed_before_is_no_change():
         Solve(disc)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", SOLVERS, ids=["newton", "uzawa"])
 @pytest.mark.parametrize("name, first, second", [("E", 2000, 4000), ("k", 300, 100), ("gap", 0.02, 0.05), ("load", 20, 60),
                                                  ("coefficient", 0.3, 0.1)])
@@ -144,6 +145,7 @@ def test_prescribed_displacements_with_a_parameter():
         assert second.disc.matrix is disc.matrix
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assembly", ["facet", "skeleton"])
 @pytest.mark.parametrize("method", [InteriorPenalty(), BassiEtAl(), BrezziEtAl(form="lifting"), LDG(), Conforming()],
                          ids=["ip", "bassi", "brezzi-lifting", "ldg", "h1"])
@@ -259,6 +261,7 @@ def test_what_changes_during_a_solve_is_an_error():
         Solve(Disc(mesh=mesh), callback=lambda step: Move(mesh) if step.number == 1 else None)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh, method, order", [(lambda: RectangleMesh(12, upper=(2, 1)), InteriorPenalty(), 2),
                                                  (lambda: BoxMesh(3), LDG(), 1)], ids=["2d", "3d"])
 def test_threads_on_one_discretization(mesh, method, order):
@@ -280,6 +283,7 @@ def test_threads_on_one_discretization(mesh, method, order):
     assert np.array_equal(disc.matrix.AsVector().FV().NumPy(), entries)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("read", ["symmetric", "loose", "unresisted", "inversekind", "load", "restraints"])
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG()], ids=["ip", "ldg"])
 def test_reading_changes_nothing_of_what_is_added(method, read):

@@ -22,6 +22,7 @@ def test_the_example_itself_is_accepted(method):
     assert disc.unresisted is None and UzawaSolver().Solve(disc).converged
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes, culprit", [
     ({"dirichlet": {"rihgt": CF((0, 0))}}, "dirichlet region 'rihgt' matches no boundary.*bottom, left, right, top"),
     ({"traction": {"east": CF((0, 0))}}, "traction region 'east'"), ({"roller": {"north": 0}}, "roller region 'north'"),
@@ -89,6 +90,7 @@ def test_bad_penalty(penalty):
         InteriorPenalty(penalty=penalty)
 
 
+@pytest.mark.slow
 def test_mesh_of_the_wrong_dimension(method):
     cube = Mesh(unit_cube.GenerateMesh(maxh=1))
     with pytest.raises(ProblemError, match="mesh has dimension 3, the data of the problem have 2"):

@@ -153,6 +153,7 @@ def test_every_case_has_a_gallery_page(tmp_path):
     assert "Domain" not in galleries.Parts("Title.\n\nDomian: a square.")
 
 
+@pytest.mark.slow
 def test_gallery_page_has_pictures_scene_and_numbers(tmp_path, monkeypatch):
     case = tmp_path / "winkler.py"
     case.write_text('"""A column.\n\nQuestion: How deep?\nDomain: (0,1)^2.\nProblem: p_n = 100 r.\n"""\n'

@@ -80,6 +80,7 @@ def test_every_exercise_has_one_cell_for_its_answer_and_a_text(path):
     assert "**Aim.**" in text and "## Questions" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebooks_run_without_errors_and_show_pictures(path, tmp_path):
     nbformat = pytest.importorskip("nbformat")
@@ -101,6 +102,7 @@ def test_notebooks_run_without_errors_and_show_pictures(path, tmp_path):
     assert float(clock.outputs[-1].text.split()[1]) < SECONDS
 
 
+@pytest.mark.slow
 def test_a_notebook_with_an_error_does_not_pass():
     nbformat = pytest.importorskip("nbformat")
     from nbclient import NotebookClient
@@ -111,6 +113,7 @@ def test_a_notebook_with_an_error_does_not_pass():
         NotebookClient(notebook, timeout=100).execute()
 
 
+@pytest.mark.slow
 def test_sliders_answer_in_less_than_a_second():
     (path,) = (path for path in NOTEBOOKS if Cells(path, tag="live"))
     imports, (live,) = Cells(path)[0], Cells(path, tag="live")

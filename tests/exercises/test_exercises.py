@@ -156,6 +156,7 @@ def Answers(name):
         yield (answer() if name in LAZY and callable(answer) else answer), words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXERCISES)
 def test_model_solutions_are_right(name):
     verdict = Check(name, Solution(name))
@@ -163,6 +164,7 @@ def test_model_solutions_are_right(name):
     assert len(verdict.words) > 20
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXERCISES)
 def test_wrong_answers_meet_the_hint_for_their_mistake(name):
     assert len(WRONG[name]) >= 2
@@ -176,6 +178,7 @@ def Kinds(exercise):
     return exercise.methods.values() if isinstance(exercise, Law) else [exercise]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXERCISES)
 def test_every_mistake_that_is_known_is_told_from_the_others(name):
     for kind in Kinds(EXERCISES[name]):

@@ -66,6 +66,7 @@ def test_a_nearly_incompressible_solid_is_iterated_to_the_solution_of_a_factoris
         1e-3 * np.abs(direct.displacement).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [1.0, 1e3, 1e7])
 @pytest.mark.parametrize("order", [1, 2])
 def test_iterated_solutions_are_those_of_a_factorisation(stiffness, order):

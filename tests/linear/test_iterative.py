@@ -50,6 +50,7 @@ def Steps(disc, matrix, *, rounding=0, **options):
     return inverse.iterations
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [6, 10])
 def test_steps_do_not_grow_with_the_number_of_elements(n):
     disc = Block(BoxMesh(n))
@@ -65,6 +66,7 @@ def test_without_the_coarse_space_it_takes_more_steps(monkeypatch):
         IterativeInverse(disc, disc.matrix, maxiter=90).Solve(disc.load)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [BassiEtAl(), BrezziEtAl(), LDG(), InteriorPenalty(penalty=100)],
                          ids=["bassi", "brezzi", "ldg", "ip-100"])
 def test_all_methods(method):
@@ -72,6 +74,7 @@ def test_all_methods(method):
     assert Steps(disc, WithContact(disc, 1e3)) <= 50
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mesh", "order", "bound"), [
     (BoxMesh(4), 2, 40), (BoxMesh(3), 3, 40), (BoxMesh(6, cells="hex"), 1, 30), (BoxMesh(3, cells="hex"), 2, 30),
     (BoxMesh(4, cells="prism"), 1, 45), (BoxMesh(3, cells="prism"), 2, 40), (RectangleMesh(32), 1, 35),
@@ -82,12 +85,14 @@ def test_orders_and_cells(mesh, order, bound):
     assert Steps(disc, WithContact(disc, 1e3)) <= bound
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("extent", "order"), [((10, 1, 1), 1), ((10, 10, 1), 1), ((10, 1, 1), 2)])
 def test_stretched_elements(extent, order):
     disc = Block(BoxMesh(6 if order == 1 else 3, upper=extent), order=order)
     assert Steps(disc, disc.matrix) <= 60
 
 
+@pytest.mark.slow
 def test_continuous_functions_alone_miss_stretched_elements(monkeypatch):
     monkeypatch.setattr(cycles, "STRONG", 0.0)
     disc = Block(BoxMesh(6, upper=(10, 1, 1)))
@@ -112,17 +117,20 @@ def test_auxiliary_space_of_shapely_elements_is_h1_and_reproduces_rigid_motions(
 NEARLY = 0.499
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.44, 0.49, NEARLY, 0.4999])
 def test_steps_do_not_grow_with_lam(nu):
     disc = Block(BoxMesh(5), nu=nu)
     assert Steps(disc, WithContact(disc, 1e3)) <= 45
 
 
+@pytest.mark.slow
 def test_steps_do_not_grow_with_the_number_of_elements_of_nearly_incompressible_bodies():
     few, many = (Steps(disc, disc.matrix) for disc in (Block(BoxMesh(n), nu=NEARLY) for n in (5, 8)))
     assert few <= 40 and many <= 45
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mesh", "order", "method", "bound"), [
     (BoxMesh(3), 2, None, 35), (BoxMesh(2), 3, None, 35), (Mesh(unit_cube.GenerateMesh(maxh=0.3)), 1, None, 35),
     (RectangleMesh(16), 1, None, 45), (RectangleMesh(8), 3, None, 50), (BoxMesh(4), 1, BassiEtAl(), 60),
@@ -132,6 +140,7 @@ def test_nearly_incompressible_bodies_of_all_orders_and_methods(mesh, order, met
     assert Steps(disc, disc.matrix) <= bound
 
 
+@pytest.mark.slow
 def test_a_nearly_incompressible_body_that_only_contact_holds():
     body = Block(BoxMesh(4), held=False, nu=NEARLY)
     for D in (1, 1e3):
@@ -154,6 +163,7 @@ def WithModulus(E, nu):
     return Block(mesh, E=modulus, nu=nu)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu", [0.3, NEARLY])
 @pytest.mark.parametrize("E", [IfPos(z - 0.5, 1e3, 1), IfPos(z - 0.5, 1e6, 1), Box(1 / 3, 1, 1e3), Box(1 / 3, 1, 1e6)],
                          ids=["layer-1e3", "layer-1e6", "inclusion-1e3", "inclusion-1e6"])
@@ -163,6 +173,7 @@ def test_jumping_materials(E, nu):
     assert Steps(disc, disc.matrix, rounding=2e-10) <= 60
 
 
+@pytest.mark.slow
 def test_parts_that_hang_together_along_edges_only_are_too_much():
     # Negative control of the bound of 60: what is continuous at an edge holds together what no facet does.
     disc = WithModulus(IfPos((x - 0.5) * (y - 0.5) * (z - 0.5), 1e6, 1), 0.3)
@@ -170,6 +181,7 @@ def test_parts_that_hang_together_along_edges_only_are_too_much():
         IterativeInverse(disc, disc.matrix, maxiter=120).Solve(disc.load)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "curve", "nu", "bound"), [(1, 2, 0.3, 60), (2, 2, 0.3, 50), (2, 3, 0.3, 50),
                                                              (1, 2, NEARLY, 65), (2, 2, NEARLY, 45), (2, 3, NEARLY, 45)])
 def test_curved_elements(order, curve, nu, bound):
@@ -197,6 +209,7 @@ def Nearly():
     return disc, Steps(disc, disc.matrix)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("level", "factor"), [
     (("SWOLLEN", np.inf), 10), (("OVER", 0), 1.8), (("OVER", 1), 1.3), (("VertexStars", Facetwise), 1.8)],
     ids=["all", "potentials", "overcorrection", "stars"])
@@ -240,6 +253,7 @@ def test_cycle_is_symmetric_positive_definite(order, nu):
     assert all(vector @ Apply(vector) > 0 for vector in left)
 
 
+@pytest.mark.slow
 def test_a_stiff_foundation_and_a_body_that_only_it_holds():
     disc = Block(BoxMesh(5))
     reference = IterativeInverse(disc, WithContact(disc, 1e9))

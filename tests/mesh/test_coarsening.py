@@ -145,6 +145,7 @@ MESHES = {
     "hole": WithHole}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MESHES)
 def test_coarser_mesh_is_one_of_the_same_body(name):
     mesh = MESHES[name]()

@@ -34,6 +34,7 @@ def Inclusion(cells):
     return Mesh(mesh)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", SEVERAL, **NAMES)
 @pytest.mark.parametrize("mesh", [Crossed({"ring": [RING]}), Crossed({"ring": [RING]}, cells="quad"),
                                   Crossed({"ring": [RING]}, turn=31), Inclusion("tet"), Inclusion("hex")],
@@ -76,6 +77,7 @@ def test_smaller_numbers_change_sides():
                for mesh in (Crossed({"path": [RING]}, turn=turn) for turn in (0, 31)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", SEVERAL, **NAMES)
 @pytest.mark.parametrize("dim", [2, 3])
 def test_both_sides_of_an_interface(dim, method):

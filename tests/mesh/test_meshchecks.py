@@ -34,6 +34,7 @@ def Refused(mesh, *arguments, **options):
     return str(caught.value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", CELLS + BOXCELLS)
 @pytest.mark.parametrize("back", [False, True])
 def test_what_is_twice_counts_once_or_is_refused(cells, back):
@@ -65,6 +66,7 @@ def test_two_conditions_on_one_side_are_refused_under_whatever_names(cells):
     Block(mesh, **sides, traction={"left": down})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", ["triangle", "quad", "tet", "hex", "prism"])
 @pytest.mark.parametrize("hanging", [False, True])
 def test_boundary_elements_of_no_element_are_no_part_of_the_body(cells, hanging):
@@ -181,6 +183,7 @@ def test_elements_with_two_corners_exchanged_are_refused_if_their_determinant_ha
     assert refused >= 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", BOXCELLS + CELLS)
 def test_moderate_distortion_is_right_and_too_much_is_refused(cells):
     """A corner moved within its element, then through the opposite side."""
@@ -274,6 +277,7 @@ def test_triangles_and_tetrahedra_may_be_numbered_either_way_round():
             CheckSides(Facets(mesh))
 
 
+@pytest.mark.slow
 def test_a_mesh_of_mixed_orientation_has_the_solution_of_the_mesh_of_one():
     forces = [Solve(Block(Turned("triangle", number), method, order=2)).normalforce for number in (2, 3, 1)
               for method in METHODS]

@@ -37,6 +37,7 @@ def Unbalanced(solution, orientation):
     return np.array(found)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assembly", ["facet", "skeleton"])
 @pytest.mark.parametrize("method", ROWS, ids=[f"{method.name}-{method.form}" for method in ROWS])
 @pytest.mark.parametrize("mesh, material", [(Distorted("mixed"), None), (Distorted("triangle"), GRADED),
@@ -51,6 +52,7 @@ def test_fluxes_balance_on_every_element(mesh, material, method, assembly):
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
 
 
+@pytest.mark.slow
 def test_flux_on_the_boundary_is_the_traction_there(eight):
     solution = SemismoothNewtonSolver().Solve(Discretization(Loaded(2), eight, RectangleMesh(4), order=2))
     forces = {resultant.region: resultant.force for resultant in solution.Resultants() if resultant.region}
@@ -67,6 +69,7 @@ def test_conforming_method_has_no_flux():
         solution.flux    # noqa: B018
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assembly", ["facet", "skeleton"])
 @pytest.mark.parametrize("method", [LDG(), InteriorPenalty(), Conforming()], ids=lambda method: method.name)
 def test_added_body_force_and_springs(method, assembly):
@@ -130,6 +133,7 @@ def test_unsymmetric_added_form_is_solved():
     assert np.abs(residual).max() < 1e-9 * np.abs(disc.load).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", [RectangleMesh(4, upper=(2, 1)), BoxMesh(2)], ids=["2d", "3d"])
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), Conforming()], ids=["ip", "ldg", "h1"])
 def test_springs_alone_hold_a_motion(mesh, method):

@@ -21,6 +21,7 @@ from ngdgc.solution.resultants import RigidBasis
 from ngdgc.methods.coercivity import SmallestEigenvalue
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("material", [HookeMaterial(mu=50, lam=80), ORTHOTROPIC, GRADED],
                          ids=["hooke", "anisotropic", "graded"])
 @pytest.mark.parametrize("cells", ["triangle", "quad", "mixed"])
@@ -79,6 +80,7 @@ def test_lanczos_finds_the_dense_smallest_eigenvalue(order, cells):
     assert smallest == pytest.approx(Spectrum(disc), rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stretch", [1, 100])
 @pytest.mark.parametrize("order", [1, 2, 4])
 @pytest.mark.parametrize("nu", [0.0, 0.4, 0.4999])
@@ -110,6 +112,7 @@ def TwoMaterials(interface):
     return Mesh(geometry.GenerateMesh(maxh=0.3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assembly", ["facet", "skeleton"])
 @pytest.mark.parametrize("row", [InteriorPenalty, BassiEtAl, BrezziEtAl, LDG])
 @pytest.mark.parametrize("form", ["edge", "lifting"])
@@ -160,6 +163,7 @@ def test_winkler_column_on_an_incline(angle, method):
     assert lift["top"] == pytest.approx(-lift["bottom"], abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [*METHODS, BassiEtAl(form="lifting"), BrezziEtAl(), LDG(), LDG(form="lifting")], ids=repr)
 @pytest.mark.parametrize("contact", ["inner", "outer"])
 def test_lame_ring_with_curved_rollers_and_curved_contact(contact, method):

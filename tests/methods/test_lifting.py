@@ -88,6 +88,7 @@ def Supported(mesh, material=None, **regions):
     return ContactProblem(material or HookeMaterial(E=2000, nu=0.4), Foundation(bottom, NormalCompliance(1)), **regions)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name, order", [*((name, order) for name in ("triangle", "mixed", "quad") for order in range(1, 7)),
                                          *((name, order) for name in ("tet", "hex", "prism") for order in range(1, 4)),
                                          ("tet", 6), ("hex", 4), ("prism", 5)])
@@ -128,6 +129,7 @@ def SecondOrder():
     return Mesh(mesh.ngmesh)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [*ROWS, NonsymmetricInteriorPenalty, IncompleteInteriorPenalty])
 @pytest.mark.parametrize("form", ["edge", "lifting"])
 @pytest.mark.parametrize("name", Hard())
@@ -164,6 +166,7 @@ def test_curved_rollers_differ_by_a_projection():
     assert 1e-4 < differences[0] < 0.05 and differences[1] < 0.5 * differences[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [BassiEtAl, BrezziEtAl])
 @pytest.mark.parametrize("mesh, order", [(RectangleMesh(3), 3), (Distorted("quad"), 2)], ids=["triangles", "quads"])
 def test_edge_forms_that_lift_too_little_are_refused(mesh, order, row):

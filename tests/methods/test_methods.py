@@ -23,6 +23,7 @@ Patch = cache(AffinePatch)
 SOLVER = SemismoothNewtonSolver(tol=1e-11)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", ["triangle", "quad", "mixed"])
 @pytest.mark.parametrize("zone, order", [("slip", 1), ("slip", 2), ("slip", 3), ("slip", 4), ("stick", 1), ("stick", 2),
                                          ("open", 2)])
@@ -36,6 +37,7 @@ def test_affine_patch(zone, order, cells, eight):
     assert L2Error(solution, other.displacement) > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells, order", [*((cells, order) for cells in ("tet", "hex", "prism") for order in (1, 2)),
                                           ("tet", 3), ("tet", 4), ("hex", 3), ("prism", 4)])
 def test_affine_patch_in_three_dimensions(cells, order, eight):
@@ -47,6 +49,7 @@ def test_affine_patch_in_three_dimensions(cells, order, eight):
     assert L2Error(solution, Patch("slip", dim=3, gap=0.11).displacement) > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", [NonsymmetricInteriorPenalty, IncompleteInteriorPenalty])
 @pytest.mark.parametrize("form", ["edge", "lifting"])
 @pytest.mark.parametrize("penalty", ["auto", 40])
@@ -96,6 +99,7 @@ def test_weighting_of_a_given_penalty():
         BassiEtAl(weighting="C")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("method", [row(form="lifting") for row in ROWS], ids=[row.__name__ for row in ROWS])
 def test_smooth_slip_converges_at_full_rates(method, order):
@@ -109,6 +113,7 @@ def test_smooth_slip_converges_at_full_rates(method, order):
     assert energy[-1] < 2 * 0.125 ** order
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh, material", [(Distorted("quad"), None), (Distorted("triangle"), GRADED), (Ring(3, 0.5), None)],
                          ids=["bilinear", "graded", "curved"])
 def test_balance_where_the_two_forms_differ(mesh, material, eight):
@@ -124,6 +129,7 @@ def test_balance_where_the_two_forms_differ(mesh, material, eight):
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
 
 
+@pytest.mark.slow
 def test_a_flux_without_stabilisation_does_not_balance(eight, monkeypatch):
     stabilisation = FacetForm.FacetMatrix
     solution = SemismoothNewtonSolver().Solve(Discretization(Example(), eight, Distorted("triangle"), order=1))
@@ -144,6 +150,7 @@ def Threshold(row, mesh, order, **options):
     return high
 
 
+@pytest.mark.slow
 def test_bassi_needs_at_most_the_number_of_facets():
     """Critical eta below 3 on triangles and 4 on tetrahedra; near 2 for k = 2, l = 1 and 1 for l = k on a 4 x 4 mesh."""
     assert 1.5 < Threshold(BassiEtAl, RectangleMesh(4), 2, liftorder=1) < 2.5
@@ -179,6 +186,7 @@ def test_coercivity_of_bassi_is_checked():
     assert SemismoothNewtonSolver().Solve(Discretization(Example(), BassiEtAl(penalty=2), RectangleMesh(4), order=2)).converged
 
 
+@pytest.mark.slow
 def test_methods_agree_on_the_example():
     """All eight forms and H1 approximate the same problem."""
     energies = [SemismoothNewtonSolver().Solve(Discretization(Example(), method, RectangleMesh(8), order=2)).energy

@@ -24,12 +24,14 @@ from ngdgc.studies.stability import HEAD, ROWS, Markdown, Shapes, Study, Text
 DOCS = Path(__file__).parents[2] / "docs"
 
 
+@pytest.mark.slow
 def test_critical_penalty_on_a_mesh_too_large_for_dense_matrices():
     """19 200 unknowns, with threads: the threshold grows a little towards that of an infinite mesh."""
     coarse, fine = (CriticalPenalty(Held(), BassiEtAl, RectangleMesh(n)) for n in (8, 40))
     assert coarse < fine == pytest.approx(coarse, rel=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh, order", [(Distorted("triangle"), 2), (Distorted("quad"), 1), (Cube("tet", 1), 1)],
                          ids=["triangles", "quads", "tets"])
 @pytest.mark.parametrize("row, form", [(InteriorPenalty, "edge"), (InteriorPenalty, "lifting"), (BassiEtAl, "edge"),
@@ -53,6 +55,7 @@ def test_critical_penalty_of_interior_penalty_in_units_of_mu():
     assert 3.2 < min(found[ratio][0] / (ratio + 2) for ratio in found) and max(found[100]) / 102 < 8.8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", Shapes())
 def test_bassi_needs_at_most_the_number_of_facets_and_brezzi_and_ldg_nothing(shape):
     mesh, facets = Shapes()[shape]
@@ -86,6 +89,7 @@ def Box(cells, stretch):
                                 mapping=lambda s, t, r: (s, t, r / stretch))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nu, stretch", [(0.0, 1), (0.4999, 1), (0.4999, 100)])
 @pytest.mark.parametrize("cells, order", [("triangle", 1), ("triangle", 8), ("quad", 1), ("quad", 8), ("tet", 1), ("tet", 3),
                                           ("hex", 1), ("hex", 2)])
@@ -135,6 +139,7 @@ def test_automatic_penalty_where_the_stress_is_not_lifted(row):
         Assembled(problem, BassiEtAl(penalty=4), Skewed(), 1)
 
 
+@pytest.mark.slow
 def test_study_holds_the_constants_of_every_method():
     seen = []
     study = Study(Held(), RectangleMesh(3), order=2, callback=seen.append)
@@ -145,6 +150,7 @@ def test_study_holds_the_constants_of_every_method():
     assert all(name in text for name in HEAD) and "any" in text and f"{study.liftings.C:.3g}" in text
 
 
+@pytest.mark.slow
 def test_page_is_what_the_code_computes():
     page = (DOCS / "stability.md").read_text()
     study = Study(example_4_1.Problem("strain"), example_4_1.Mesh(8), order=1)

@@ -65,6 +65,7 @@ def Smallest(figure):
     return min(text.get_fontsize() for text in texts) * COLUMN / figure.get_figwidth()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("Figure", [LawFigure, ZonesFigure, HistoryFigure, lambda solution: ComparisonFigure({"a": solution})])
 def test_letters_can_be_read_in_a_column(Figure, lifting, solid):
     """No text is smaller than 6 pt when the figure fills a column, and axes have units; twice the width would be too much."""
@@ -77,6 +78,7 @@ def test_letters_can_be_read_in_a_column(Figure, lifting, solid):
         assert Smallest(figure) < LEGIBLE
 
 
+@pytest.mark.slow
 def test_run_leaves_law_and_zones(lifting, tmp_path):
     written = WriteResults(lifting, tmp_path)
     for name in ("law.png", "zones.png"):

@@ -29,6 +29,7 @@ def Drawn(figure):
     return np.ptp(block.get_xy(), axis=0)
 
 
+@pytest.mark.slow
 def test_narrow_foundations_are_no_spikes():
     """Not higher than half as wide, unless that could not be seen or the body went through; wide ones have their share."""
     for foot in (0.3, 0.6):

@@ -84,6 +84,7 @@ def test_jumps_are_drawn(ip, h1):
     assert LargestSpread(places, Polygons(DeformedFigure(ip)).reshape(-1, 2)) > 1e-2
 
 
+@pytest.mark.slow
 def test_foundation_lies_at_its_gap():
     """Below the square at y = 0; in the hole of a ring at radius 1/2 - g(x), so inside and not in the body; scaled with u."""
     solution = example_4_1.Main(n=2)
@@ -125,6 +126,7 @@ def test_history_figure_shows_every_step(ip):
         assert np.array_equal(residual.get_ydata(), [step.residual for step in ip.history])
 
 
+@pytest.mark.slow
 def test_figures_of_a_solid(tmp_path):
     """The maps show the values at the contact points, the surface every face moved by its displacement."""
     law = Foundation("bottom", NormalCompliance(100), friction=CoulombFriction(0.4), gap=0.05 * x)
@@ -234,6 +236,7 @@ def test_titles_are_not_cut_off():
     AssertInside(DeformedFigure(solution, scale=0.125))
 
 
+@pytest.mark.slow
 def test_every_setting_and_solution_can_be_drawn(tmp_path):
     """Quads, rollers, tractions, body force, two foundations: all names and values are in the picture, nothing outside it."""
     foundations = (Foundation("bottom", NormalCompliance(20), friction=CoulombFriction(0.3)),

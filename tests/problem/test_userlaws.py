@@ -85,6 +85,7 @@ def test_what_a_law_must_not_return_is_named_when_the_foundation_is_made(law, fr
     Foundation("bottom", Own(), friction=OwnFriction())     # control: without the mistake
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dim", [2, 3])
 @pytest.mark.parametrize("method", [InteriorPenalty(), Conforming()], ids=["ip", "h1"])
 @pytest.mark.parametrize("solver", [NestedNewtonSolver(), SemismoothNewtonSolver(), UzawaSolver(normal="implicit", tol=1e-4)],

@@ -42,6 +42,7 @@ def kept(request, tmp_path_factory):
     return folder
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DATA)
 def test_a_slight_difference_makes_another_problem(kept, name):
     with pytest.raises(ProblemError, match="another problem"):
@@ -64,6 +65,7 @@ def test_the_same_problem_may_be_written_in_another_way(tmp_path):
                 ContactSolution.Load(tmp_path, other)
 
 
+@pytest.mark.slow
 def test_parameters_are_kept_as_they_were_solved_with(tmp_path):
     """A Parameter that was set anew since is none of the solution's: its values of then are compared, in every datum."""
     for name in ("E", "k", "mu", "gap", "top", "side", "pull", "weight"):
@@ -92,6 +94,7 @@ def test_laws_that_agree_at_the_solution_alone_are_others(tmp_path):
     assert ContactSolution.Load(tmp_path, Pressed(linear, tresca)).converged
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), Conforming()], ids=repr)
 def test_added_forms_are_given_again(method, tmp_path):
     """As functions of the space, or as forms on the space of the script that saved."""
@@ -117,6 +120,7 @@ def test_added_forms_are_given_again(method, tmp_path):
         ContactSolution.Load(tmp_path, Adjustable(), added=[Springs])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [*EIGHT, NonsymmetricInteriorPenalty(), InteriorPenalty(penalty=Fraction(61, 2)),
                                     BassiEtAl(liftorder=2), Conforming()], ids=repr)
 def test_method_assembly_and_inverse_are_kept(method, tmp_path):
@@ -192,6 +196,7 @@ for folder in sys.argv[1:]:
 """
 
 
+@pytest.mark.slow
 def test_meshes_come_back_exactly(tmp_path):
     """Curved, refined, of second order, without geometry in the file, tiny: the same points and forces in another process."""
     folders, expected = [], []

@@ -23,6 +23,7 @@ FORCED = {"bodyforce": CF((10 * sin(3 * y), -20 * exp(x))), "dirichlet": {"right
           "roller": {"top": -0.01 * x}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("cells", ["triangle", "quad"])
 @pytest.mark.parametrize("method", DG, ids=["auto", "30"])
@@ -142,6 +143,7 @@ except Exception as error:
 """
 
 
+@pytest.mark.slow
 def test_large_elements_balance(tmp_path):
     """Hexahedra of order 6 with one thread of NGSolve, whose own projection into the space overflows its heap."""
     done = subprocess.run([sys.executable, "-P", "-c", LARGE], cwd=tmp_path, env=os.environ | {"NGS_NUM_THREADS": "1"},

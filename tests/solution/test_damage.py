@@ -117,6 +117,7 @@ DAMAGE = {
     "summary": lambda folder: Edited(folder, words={"summary": []})}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", DAMAGE)
 def test_damaged_folders_are_refused(kept, name, tmp_path):
     """Whatever was edited, also with digests that were made to fit; control: an untouched copy, and one laid out anew, load."""
@@ -204,6 +205,7 @@ for room in map(int, sys.argv[2:]):
 """
 
 
+@pytest.mark.slow
 def test_a_full_disk_is_one_error(tmp_path):
     """Netgen writes the mesh without looking: a limit of the process stands for the disk, below, in and above its size."""
     mesh = RectangleMesh(16)

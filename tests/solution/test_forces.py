@@ -21,6 +21,7 @@ SEVERAL = [InteriorPenalty(), LDG(form="lifting"), Conforming()]
 NAMES = dict(ids=lambda method: method.name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("assembly", ["facet", "skeleton"])
 @pytest.mark.parametrize("method", [*EIGHT, NonsymmetricInteriorPenalty(), Conforming()], ids=lambda method: repr(method))
 def test_forces_are_those_of_the_balance(method, assembly):
@@ -38,6 +39,7 @@ def test_forces_are_those_of_the_balance(method, assembly):
     assert not np.abs(stress - solution.Force("top")).max() < 1e-2 * size
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", SEVERAL, **NAMES)
 @pytest.mark.parametrize("mesh", [Layers(2), Perforated(), BoxMesh(1), BoxMesh(2, cells="hex"), BoxMesh(1, cells="prism"),
                                   RectangleMesh(3, cells="quad")], ids=["layers", "hole", "tet", "hex", "prism", "quad"])
@@ -70,6 +72,7 @@ def test_tractions_of_an_affine_solution_are_exact(method, dim):
         assert Integrate(error * error, **there) < (1e-8 * size) ** 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", SEVERAL, **NAMES)
 @pytest.mark.parametrize("mesh", [RectangleMesh(8), Perforated(), BoxMesh(1)], ids=["plane", "hole", "solid"])
 def test_traction_of_the_foundation_has_the_values_of_the_law(mesh, method):
@@ -83,6 +86,7 @@ def test_traction_of_the_foundation_has_the_values_of_the_law(mesh, method):
     assert quadrature.weights @ there == pytest.approx(quadrature.weights @ right, abs=1e-10 * np.abs(right).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", SEVERAL, **NAMES)
 @pytest.mark.parametrize("mesh", [RectangleMesh(4), Perforated(), BoxMesh(1)], ids=["plane", "hole", "solid"])
 def test_mean_displacement(mesh, method):

@@ -15,6 +15,7 @@ PLATE = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("hole", NormalC
                        dirichlet={"outer": (0.1, 0.05)})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("problem, mesh", [(Example(), RectangleMesh(4)), (PLATE, Plate())], ids=["square", "curved"])
 def test_saved_and_loaded_solutions_agree(problem, mesh, method, tmp_path):
     solution = UzawaSolver().Solve(Discretization(problem, method, mesh, order=2))

@@ -70,6 +70,7 @@ def Pyramids():
     return Mesh(net)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3])
 @pytest.mark.parametrize("mesh", [RectangleMesh(2), RectangleMesh(2, cells="quad"), Layers(2), BoxMesh(1),
                                   BoxMesh(2, cells="hex"), BoxMesh(1, cells="prism")],

@@ -28,6 +28,7 @@ def Difference(one, other):
             np.abs(loads[0] - loads[1]).max() / np.abs(loads[0]).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [TrescaFriction(1), TrescaFriction(50), CoulombFriction(0.3)],
                          ids=["bound-1", "bound-50", "coulomb"])
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -41,6 +42,7 @@ def test_implicit_and_explicit_solve_the_same_problem(name, friction, method):
     assert max(Difference(explicit, solver.Solve(Stiff(name, 0.1, half, method=method)))) > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1e2, 1e6])
 @pytest.mark.parametrize("friction", [TrescaFriction(1), CoulombFriction(0.3)], ids=["bound", "coulomb"])
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -81,6 +83,7 @@ def test_slip_patch_is_exact_for_stiff_and_nonlinear_foundations(stiffness, expo
 STICK = [(2, "triangle", 8), (3, "tet", 2), (3, "hex", 2), (3, "prism", 2)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("dim, cells, n", STICK, ids=[f"{cells}-{n}" for _, cells, n in STICK])
 def test_acceleration_on_the_stick_patch(dim, cells, n):
     """Every point sticks, so |S|/lambda_min decides; Anderson needs a fifth of the steps, and the patch stays exact."""
@@ -98,6 +101,7 @@ def test_acceleration_on_the_stick_patch(dim, cells, n):
     assert np.abs(IMPLICIT["anderson"].Solve(Discretization(soft, InteriorPenalty(), mesh, order=1)).slip).max() > 1e-5
 
 
+@pytest.mark.slow
 def test_acceleration_does_not_break_a_convergent_run():
     """Examples at all stiffnesses where the plain explicit iteration converges: never more steps than it takes."""
     for name in EXAMPLES:
@@ -179,6 +183,7 @@ def test_rests_of_fast_iterations_are_no_end():
     assert Verdict([0.1] * 1000, driver.WINDOW, 0.0) == ("cycle", 2 * driver.WINDOW)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("options", [{"rho": "adaptive"}, {"acceleration": "anderson"}])
 def test_a_slow_problem_is_solved(options):
     """Stick, slip and separation on a stiff foundation: hundreds of adaptive steps with rests, and Newton's solution."""

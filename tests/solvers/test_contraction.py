@@ -64,6 +64,7 @@ def test_predicted_rate_is_the_one_of_the_theory_and_the_one_observed(normal):
         assert 1 - rate == pytest.approx(1 - theory, rel=0.1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver, name, ratio, friction, lower, upper", [
     (UzawaSolver(), "4.1", 0.1, TrescaFriction(1), 0.2, 0.25), (UzawaSolver(), "4.2", 0.1, CoulombFriction(0.3), 0.1, 0.13),
     (IMPLICIT["plain"], "4.1", 10, TrescaFriction(1), 0.9, 0.95),

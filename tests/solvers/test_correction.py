@@ -30,6 +30,7 @@ def Operator(disc, stiffness):
     return (np.array(columns) + np.array(columns).T) / 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "order", "n", "stiff", "bound"), [
     (InteriorPenalty(), 1, 4, False, 1.15), (InteriorPenalty(), 1, 4, True, 1.06), (LDG(), 1, 4, False, 1.15),
     (InteriorPenalty(), 2, 3, True, 1.1)])
@@ -85,6 +86,7 @@ def test_a_correction_balances_what_the_subspace_can_test():
         assert found.traction == pytest.approx(line, abs=1e-9 * np.abs(line).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness", [1.0, 1e3, 1e6])
 def test_all_corrections_take_about_as_many_cycles_as_one_linear_equation(stiffness):
     disc = Box(6, stiffness=stiffness)
@@ -95,6 +97,7 @@ def test_all_corrections_take_about_as_many_cycles_as_one_linear_equation(stiffn
     assert level.cycles == disc.cycles > level.solves
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("forgotten", ["shift", "load"])
 def test_corrections_of_another_state_do_not_converge(forgotten, monkeypatch):
     """Negative control, and the message: displacement or imbalance of what is to be corrected are left out."""
@@ -139,6 +142,7 @@ def test_a_tolerance_below_round_off_is_named():
         SemismoothNewtonSolver(tol=1e-18).Solve(Box(3))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [0, 1, 2])
 def test_random_problems_have_the_same_solution(number):
     """As from a factorisation; the bodies are fine enough that the subspace is a part."""

@@ -32,6 +32,7 @@ def Strip():
     return Discretization(ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction=load), InteriorPenalty(), mesh)
 
 
+@pytest.mark.slow
 def test_it_takes_few_steps_and_fails_without_what_holds_it(monkeypatch):
     for disc, steps, solves in ((Block(), 5, 30), (Strip(), 15, 150)):
         assert len(SemismoothNewtonSolver().Solve(disc).history) <= steps and disc.solves <= solves

@@ -52,6 +52,7 @@ def test_a_spline_geometry_that_is_gone_is_not_used():
     assert solution.levels[0].elements < mesh.ne / 2
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", [1e-9, 1.0, 1e12])
 @pytest.mark.parametrize("length", [1e-6, 1e6])
 def test_units_of_stress_and_length(unit, length):
@@ -69,6 +70,7 @@ def test_units_of_stress_and_length(unit, length):
     assert np.abs(np.subtract(*counts)).max() <= 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("penalty, data", [(12, LOADED | {"roller": {"left": 0}}), (14, LOADED | {"roller": {"left": 0}}),
                                            (12, LOADED), (12, PRESSED)])
 def test_coercivity_of_a_body_that_only_its_foundation_holds(penalty, data):
@@ -134,6 +136,7 @@ def test_very_different_foundations_at_once():
     assert np.all(solution.pressure[solution.points[:, 1] == 0] < 1e-4) and solution.pressure.max() > 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("force", [CF((0, 10)), CF((5, -10))], ids=["lifted", "dragged"])
 def test_a_body_that_nothing_keeps_is_an_error(force):
     """It leaves its foundation, or friction cannot hold it: no solution is made up."""

@@ -44,6 +44,7 @@ def Difference(one, other):
                np.abs(loads[0] - loads[1]).max() / np.abs(loads[0]).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ratio", [1e-2, 1e2, 1e9])
 @pytest.mark.parametrize("disc", [lambda k: Stiff("4.1", k, CoulombFriction(0.3), order=2),
                                   lambda k: Stiff("4.2", k, TrescaFriction(5), method=Conforming()),
@@ -71,6 +72,7 @@ def test_step_is_that_of_the_derivative(disc, ratio):
         assert kept and left < 1e-8 and 5e-5 < wrong
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_steps_from_rest_do_not_grow_with_stiffness_friction_or_mesh(name):
     """k_n/E from 1 to 1e9, friction 0.05 to 0.5, three meshes: at most 15 steps; half the coefficient is another solution."""
@@ -87,6 +89,7 @@ def test_steps_from_rest_do_not_grow_with_stiffness_friction_or_mesh(name):
             assert Difference(solution, half) > 1e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", EXAMPLES)
 def test_nested_iteration_leaves_little_to_the_finest_mesh(name):
     """At most 7 steps and 60 applications there for every stiffness; from rest it takes more work."""
@@ -106,6 +109,7 @@ def test_nested_iteration_leaves_little_to_the_finest_mesh(name):
 FRICTIONS = [TrescaFriction(20), CoulombFriction(0.3), PowerFriction(400, 1), SlipWeakeningFriction(0.4, 0.3, 0.05), None]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", FRICTIONS, ids=lambda law: type(law).__name__)
 def test_all_solvers_find_one_solution(friction, method):
     """Soft enough for the explicit iteration; 1e-7 in displacement and projected traction; another stiffness is seen."""
@@ -142,6 +146,7 @@ def test_several_foundations_with_data_that_vary_in_space():
         assert Difference(solution, NEWTON.Solve(Pressed(other))) > 1e-4
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells, order", [("tet", 1), ("prism", 1), ("hex", 2)])
 def test_three_dimensions(cells, order):
     law = Foundation("bottom", NormalCompliance(1e6), friction=CoulombFriction(0.3))
@@ -155,6 +160,7 @@ def test_three_dimensions(cells, order):
     assert Difference(solution, other) > 1e-3
 
 
+@pytest.mark.slow
 def test_a_body_that_only_friction_holds_slides_when_it_must():
     """Below the limit of friction there is an equilibrium, beyond it none: an error in bounded time, not a solution."""
     def Dragged(force):

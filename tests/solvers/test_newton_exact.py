@@ -48,6 +48,7 @@ def Halved(problem):
     return replace(problem, foundation=replace(problem.foundation[0], friction=half))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiffness, coulomb", [(100.0, None), (1e8, 0.2)])
 @pytest.mark.parametrize("zone", ["slip", "stick", "open"])
 def test_affine_patches(zone, stiffness, coulomb, every):
@@ -60,6 +61,7 @@ def test_affine_patches(zone, stiffness, coulomb, every):
     assert RelativeError(Solve(wrong, every, RectangleMesh(3)), exact.displacement) > 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", ["tet", "hex", "prism"])
 @pytest.mark.parametrize("zone", ["slip", "stick", "open"])
 def test_affine_patches_in_space(zone, cells, some):
@@ -71,6 +73,7 @@ def test_affine_patches_in_space(zone, cells, some):
         assert RelativeError(half, exact.displacement) > 1e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("exponent", [1, 1.5])
 @pytest.mark.parametrize("stiffness", [1.0, 1e3, 1e12])
 def test_column_under_pressure(stiffness, exponent, some):
@@ -85,6 +88,7 @@ def test_column_under_pressure(stiffness, exponent, some):
     assert L2Error(solution, deeper.displacement) == pytest.approx(0.01, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_three_zones_on_an_aligned_mesh(every):
     """B3 at order 4: round-off, and the zone of every point; with half the friction nothing sticks."""
     exact = ThreeZones()
@@ -107,6 +111,7 @@ def Ends(solution):
     return [-b / a for a, b in lines]
 
 
+@pytest.mark.slow
 def test_ends_of_the_zones_on_other_meshes(some):
     """B3 with ends inside of facets: |a_h - a| and |b_h - b| fall with order 2 to 3.5 to a hundredth of h.
 
@@ -129,6 +134,7 @@ def test_ends_of_the_zones_on_other_meshes(some):
     assert np.abs(Ends(half)[0] - ENDS[0]) > 50 * errors[-1][0] and half.ZoneLengths()["stick"] < ENDS[0] - 3 / n
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", [None, CoulombFriction(0.4)])
 def test_cubic_solution(friction, every):
     """B5, for any friction; order 2 is too small, and a foundation softer by a per cent is another problem."""
@@ -146,6 +152,7 @@ def test_cubic_solution(friction, every):
 ASTER = dict(zip(greco_plate.REFERENCE, (2.8649e-5, 2.7269e-5, 2.2924e-5, 1.9929e-5, 1.5608e-5)))
 
 
+@pytest.mark.slow
 def test_plate_of_the_greco_group(some):
     """B11: the five values of code_aster to 2 per cent, all zones, and the work of an easy problem; half the friction slips."""
     def Slips(coefficient):

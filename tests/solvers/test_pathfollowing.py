@@ -38,6 +38,7 @@ def Bar(nx, seed):
     return Discretization(problem, Conforming(), mesh, order=1)
 
 
+@pytest.mark.slow
 def test_what_newton_cycles_on_is_solved_along_the_path(monkeypatch):
     """The value is that of a general root finder on the eight unknowns from forty random starts."""
     solution = SemismoothNewtonSolver().Solve(Strip())
@@ -47,6 +48,7 @@ def test_what_newton_cycles_on_is_solved_along_the_path(monkeypatch):
         SemismoothNewtonSolver().Solve(Strip())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("nx", [1, 3, 6])
 def test_end_of_the_path_is_the_solution(nx):
     """The dense equation at s = 1 is that of the solver: one step of Newton's method is left, of round-off."""

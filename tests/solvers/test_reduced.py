@@ -71,6 +71,7 @@ def test_the_contact_problem_is_solved_at_once_where_all_products_are_known(ever
     assert merit < 1e-12 if everything else merit > 1e-4
 
 
+@pytest.mark.slow
 def test_a_box_takes_few_steps_and_few_applications(monkeypatch):
     """The bounds promised for three dimensions; Newton's steps alone take more of both."""
     def Finest(stiffness):

@@ -46,6 +46,7 @@ def test_nodal_interpolant_of_a_conforming_reference():
     assert Errors(BrokenP1(coarse), BrokenP1(fine))[1] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_closest_reading_of_example_4_1():
     """Plane stress, diagonals /, reference 1/128: interpolants within 7 and 5 %, the true error is far off."""
     fine = BrokenP1(Solved(InteriorPenalty(penalty=30), 128))
@@ -98,6 +99,7 @@ def test_all_methods_stand_in_the_closest_reading_with_their_differences():
     assert all(sentence in page for sentence in FormDifferences(readings))
 
 
+@pytest.mark.slow
 def test_study_holds_every_reading():
     """With the quick method alone, and the smallest reference there can be, from which the first mesh is far enough."""
     readings = Study(n=64, methods={"H1": Conforming()})

@@ -54,6 +54,7 @@ def Size(disc, u):
     return np.sqrt(Integrate(InnerProduct(disc.problem.material.Stress(Strain(function)), Strain(function)), disc.mesh))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [*(row() for row in ROWS), Conforming()], ids=lambda method: method.name)
 @pytest.mark.parametrize("setting", ["slip", "rollers", "solid"])
 def test_edge_forms_are_consistent(setting, method):
@@ -68,6 +69,7 @@ def test_edge_forms_are_consistent(setting, method):
     assert ConsistencyResidual(Discretization(wrong, method, mesh, order=2), u) > 1e-3 * Size(disc, u)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("setting, order", [("slip", 1), ("slip", 2), ("slip", 3), ("rollers", 1), ("rollers", 2)])
 def test_lifting_forms_are_consistent_to_order_l_plus_1(setting, order):
     problem, u = SmoothWithRollers() if setting == "rollers" else (SmoothSlip().problem, SmoothSlip().displacement)
@@ -201,6 +203,7 @@ def Dense(disc):
     return smallest, np.linalg.svd(scaled, compute_uv=False)[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells", ["triangle", "quad"])
 @pytest.mark.parametrize("method", [InteriorPenalty(), InteriorPenalty(penalty=10), BassiEtAl(form="lifting"), BrezziEtAl(),
                                     LDG()], ids=repr)
@@ -232,6 +235,7 @@ def test_conforming_elements_are_coercive_and_bounded_with_constant_1():
     assert (Coercivity(disc), Boundedness(disc)) == pytest.approx((1, 1), rel=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("row", ROWS)
 def test_constants_do_not_depend_on_the_mesh_size(row):
     """Lemmas 3.3 and 3.4."""

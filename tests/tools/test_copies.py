@@ -48,6 +48,7 @@ def test_errors_keep_message_history_and_arrays(Copy, failed):
     assert Copy(failed).contraction == failed.contraction and Copy(failed).history == failed.history
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("Copy", COPIES, ids=["copy", "deepcopy", "pickle"])
 def test_problems_are_the_same_problem(Copy):
     mesh = RectangleMesh(2)
@@ -69,6 +70,7 @@ def test_solutions_and_discretizations_say_what_to_take(Copy):
     assert np.array_equal(Copy(solution.traction), solution.traction)       # control: its arrays can be copied
 
 
+@pytest.mark.slow
 def test_a_pool_of_processes_passes_errors_on():
     """A new interpreter for each process: nothing is inherited."""
     with multiprocessing.get_context("spawn").Pool(1) as pool:

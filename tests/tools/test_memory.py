@@ -25,6 +25,7 @@ def Limited(limit, size, *arguments):
                           preexec_fn=lambda: resource.setrlimit(limit, (size, size)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("limit", [resource.RLIMIT_AS, resource.RLIMIT_DATA])
 def test_a_limit_of_the_process_counts(limit, tmp_path):
     """A mesh that would fit into the machine but not into the limit; one that fits is solved under the same limit."""
@@ -49,6 +50,7 @@ def test_what_is_not_foreseen_is_one_line_too(error, tmp_path, capsys, monkeypat
         Main(arguments)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("words, culprit", [
     ("run example_4_1 --n 1000000", "a mesh of 2e+12 elements"), ("run rubber_pad_3d --n 100000", "a mesh of"),
     ("run hertz_line --n 1000000000", "a mesh of"), ("convergence --n 4 1000000 --cells quad", "a mesh of 1e+12 elements"),
@@ -60,6 +62,7 @@ def test_absurd_sizes_are_refused_at_once(words, culprit, tmp_path, capsys, monk
     assert culprit in message and "coarser mesh" in message and "GB are free" in message
 
 
+@pytest.mark.slow
 def test_estimates_are_below_the_truth_and_near_it(monkeypatch):
     """Elements of shapes, to a factor; what is refused must not be what fits."""
     for shape, maxh in ((Box(Pnt(0, 0, 0), Pnt(1, 1, 1)), 0.15), (Circle((0, 0), 1).Face(), 0.1)):

@@ -26,6 +26,7 @@ def Block(kind=float, **data):
     return ContactProblem(HookeMaterial(E=kind(2000), nu=kind(0)), law, **(data or {"dirichlet": {"top": (kind(1), kind(-1))}}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", NUMBERS)
 def test_numbers_of_every_kind_are_numbers(kind):
     mesh = RectangleMesh(np.int64(2), upper=(kind(20), kind(10)))
@@ -136,6 +137,7 @@ def test_arguments_of_the_solvers_are_looked_at():
     assert len(MultiStart(disc, count=np.int64(1))) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), BassiEtAl(), BrezziEtAl(form="lifting"),
                                     Conforming()], ids=["ip", "ldg", "bassi", "brezzi", "h1"])
 @pytest.mark.parametrize("cells", ["triangle", "quad"])
@@ -149,6 +151,7 @@ def test_the_highest_order_is_exact(method, cells):
         Discretization(exact.problem, method, UnitMesh(1, cells), order=most + 1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method, cells", [(InteriorPenalty(), "tet"), (Conforming(), "hex")], ids=["ip", "h1"])
 def test_the_highest_order_in_space_is_exact(method, cells):
     exact, most = AffinePatch("slip", dim=3), HIGHEST[3]

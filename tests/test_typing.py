@@ -1,5 +1,6 @@
 """Type hints: a checker takes a script as a user writes it, refuses wrong ones by name, and has nothing against the package."""
 
+import configparser
 import subprocess
 import sys
 from pathlib import Path
@@ -103,6 +104,26 @@ def test_the_package_is_consistent_with_its_own_hints(tmp_path):
     done = subprocess.run([sys.executable, "-P", "-m", "mypy", "--cache-dir", str(tmp_path), "ngdgc"], cwd=ROOT,
                           capture_output=True, text=True)
     assert done.returncode == 0, done.stdout
+
+
+STRICT = ("contracts", "exceptions", "meshes", "exact", "traces", "errors", "export", "discretization", "problem", "theory",
+          "solution", "plots", "studies.convergence", "studies.table3")
+
+
+def Strict(module, sections):
+    """Is a module, or all of a package, in a section of mypy's configuration that lets no function without types pass?"""
+    names = {name for title in sections.sections() if title.startswith("mypy-") and
+             all(sections[title].getboolean(flag, False) for flag in ("disallow_untyped_defs", "check_untyped_defs"))
+             for name in title.removeprefix("mypy-").split(",")}
+    return f"ngdgc.{module}" in names or f"ngdgc.{module}.*" in names
+
+
+def test_what_users_import_is_checked_strictly():
+    """The test above is that of mypy; here, that its configuration asks for it."""
+    sections = configparser.ConfigParser()
+    sections.read(ROOT / ".mypy.ini")
+    assert [module for module in STRICT if not Strict(module, sections)] == []
+    assert not Strict("blocks", sections)       # control
 
 
 def test_the_hints_are_shipped():

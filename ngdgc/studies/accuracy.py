@@ -5,7 +5,7 @@ On meshes 1/n, 2/n, ... the time from the mesh in memory to the solution by `Sol
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from time import perf_counter
 from typing import Any
@@ -44,7 +44,7 @@ class Series:
     seconds: np.ndarray
     error: np.ndarray
 
-    def At(self, goal):
+    def At(self, goal: float) -> tuple[float, ...] | None:
         """(seconds, unknowns) for an error, interpolated between meshes on logarithmic scales; None outside of them.
 
         >>> times = np.array([1.0, 10.0])
@@ -83,7 +83,7 @@ def Study(exact: Exact, method: Method, *, order: int = 1, cells: str = "triangl
 
 
 @ByKeyword
-def Rows(series):
+def Rows(series: Sequence[Series]) -> Iterator[list[str]]:
     """Cells of the table: for every goal seconds and unknowns, a dash where no mesh came so far, or all did better."""
     for one in series:
         found = [one.At(goal) for goal in GOALS]
@@ -94,7 +94,7 @@ HEADER = ("method", "cells", "order", *(f"{100 * goal:g} %" for goal in GOALS))
 
 
 @ByKeyword
-def Text(series):
+def Text(series: Sequence[Series]) -> str:
     """The table for a terminal."""
     return "\n".join(Aligned([HEADER, *Rows(series)]))
 
@@ -109,7 +109,7 @@ unknowns, interpolated between meshes; a dash stands where no mesh was fine enou
 
 
 @ByKeyword
-def Page(series, *, budget):
+def Page(series: Sequence[Series], *, budget: float) -> str:
     """The page, Markdown, of studies with a budget [s]; its figures are images/accuracy_CELLS.png."""
     lines = [INTRODUCTION.format(budget=budget)]
     for cells in dict.fromkeys(one.cells for one in series):
@@ -117,7 +117,7 @@ def Page(series, *, budget):
         lines += [f"## Cells: {cells}", "", f"![Error against time](images/accuracy_{cells}.png)", "",
                   *Piped([HEADER, *Rows(own)]), ""]
         for goal in GOALS:
-            known = [(one.At(goal)[0], one) for one in own if one.At(goal)]
+            known = [(at[0], one) for one in own if (at := one.At(goal))]
             if known:
                 best = min(known, key=lambda pair: pair[0])[1]
                 lines.append(f"* {100 * goal:g} %: {best.label}, k = {best.order}, is the soonest.")

@@ -5,13 +5,14 @@ For a smooth solution the theory says |u - u_h|_{1,h} = O(h^k) in the energy nor
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from ngsolve import Mesh
 
-from ..contracts import Method, Solver
+from ..contracts import Array, Method, Solver
 from ..discretization import Discretization
 from ..errors import EnergyError, L2Error, Rates
 from ..exact import Exact
@@ -36,15 +37,15 @@ class Series:
     label: str
     cells: str
     order: int
-    n: tuple
-    dofs: tuple
+    n: tuple[int, ...]
+    dofs: tuple[int, ...]
     energy: np.ndarray
     l2: np.ndarray
 
     @property
-    def rates(self):
+    def rates(self) -> tuple[Array, Array]:
         """Observed orders (energy, L2), each one less than errors."""
-        ratio = np.divide(self.n[1:], self.n[:-1])
+        ratio: Any = np.divide(self.n[1:], self.n[:-1])
         return Rates(self.energy, ratio), Rates(self.l2, ratio)
 
 
@@ -84,7 +85,7 @@ HEADER = ("method", "cells", "order", "n", "dofs", "energy error", "rate", "L2 e
 
 
 @ByKeyword
-def Rows(series):
+def Rows(series: Sequence[Series]) -> Iterator[tuple[str, ...]]:
     """Cells of the table, one row per mesh, as text."""
     for one in series:
         rates = [["", *(f"{rate:.2f}" for rate in norm)] for norm in one.rates]
@@ -93,13 +94,13 @@ def Rows(series):
 
 
 @ByKeyword
-def Text(series):
+def Text(series: Sequence[Series]) -> str:
     """The table for a terminal."""
     return "\n".join(Aligned([HEADER, *Rows(series)]))
 
 
 @ByKeyword
-def Summary(series):
+def Summary(series: Sequence[Series]) -> str:
     """Markdown: one row per series with the errors on its finest mesh and the last observed orders."""
     rows = [("method", "cells", "order", "n", "energy error", "rate", "L2 error", "rate")]
     for one in series:

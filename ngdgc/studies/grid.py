@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
@@ -28,7 +29,7 @@ EVERYTHING = ((0.05, 0.1, 0.2, 0.5, 0.7, 1.0), tuple(10.0 ** power for power in 
 
 
 @ByKeyword
-def Grid(geometries=None, *, everything=False):
+def Grid(geometries: Sequence[str] | None = None, *, everything: bool = False) -> list[tuple[int, Sample]]:
     """The grid as a list of pairs (number, `Sample`), interior penalty.
 
     geometries : some of "4.1", "4.2", "block", "unstructured", "cad"; None: all
@@ -44,7 +45,7 @@ def Grid(geometries=None, *, everything=False):
             for number, (geometry, size, stiffness, coefficient) in enumerate(points)]
 
 
-def _Sample(geometry, n, order, stiffness, coefficient):
+def _Sample(geometry: str, n: int, order: int, stiffness: float, coefficient: float) -> Sample:
     if geometry in CASES:
         case = CASES[geometry]
         problem, mesh = case.Problem(), partial(case.Mesh, n)

@@ -6,7 +6,7 @@ without locking keeps its error.  The error is |eps_h(u - u_h)|/|eps(u)| in L2, 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,11 +35,11 @@ class Sweep:
     label: str
     order: int
     n: int
-    lam: tuple
+    lam: tuple[float, ...]
     errors: np.ndarray
 
     @property
-    def factor(self):
+    def factor(self) -> float:
         """Error at the last lam over that at the first: near 1 without locking."""
         return float(self.errors[-1] / self.errors[0])
 
@@ -71,19 +71,19 @@ def Study(method: Method, *, order: int = 1, n: int = 16, lam: Sequence[float] =
     return Sweep(Label(method), order, n, tuple(lam), np.array(errors))
 
 
-def _Cells(sweeps):
+def _Cells(sweeps: Sequence[Sweep]) -> Iterator[tuple[str, ...]]:
     yield ("method", "order", *(f"lam = {lam:g}" for lam in sweeps[0].lam), "last/first")
     for sweep in sweeps:
         yield (sweep.label, str(sweep.order), *(f"{error:.3e}" for error in sweep.errors), f"{sweep.factor:.2f}")
 
 
 @ByKeyword
-def Text(sweeps):
+def Text(sweeps: Sequence[Sweep]) -> str:
     """The table for a terminal."""
     return "\n".join(Aligned(_Cells(sweeps)))
 
 
 @ByKeyword
-def Markdown(sweeps):
+def Markdown(sweeps: Sequence[Sweep]) -> str:
     """The table for a page."""
     return "\n".join(Piped(_Cells(sweeps)))

@@ -1,5 +1,7 @@
 """Random contact problems, drawn from a seed: 2D and 3D, all methods, laws and loads, soft and stiff foundations."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import partial
 from typing import Any
@@ -47,12 +49,12 @@ class Sample:
     coefficient: float
     words: str
 
-    def Disc(self):
+    def Disc(self) -> Discretization:
         """The Discretization."""
         return Discretization(self.problem, self.method, self.mesh(), order=self.order)
 
 
-def BodyMesh(n, cells, order=1):
+def BodyMesh(n: int, cells: str, order: int = 1) -> Mesh:
     """Mesh of the unit square or cube of size 1/n, the boundaries named as by `UnitMesh`.
 
     cells : one of CELLS or BOXCELLS; without structure "unstructured", triangles, and "delaunay", tetrahedra; from CAD "cad",
@@ -80,7 +82,7 @@ def BodyMesh(n, cells, order=1):
     return UnitMesh(n, cells)
 
 
-def Draw(seed, number, *, dofs=150_000):
+def Draw(seed: int, number: int, *, dofs: float = 150_000) -> Sample:
     """The `Sample` of this number in the sequence of a seed.
 
     Log-uniform: the friction coefficient over 0.05 to 1, k_n/E over 1e-3 to 1e9, and h over 1/8 to 1/256 in 2D, in 3D over 1/2
@@ -92,7 +94,7 @@ def Draw(seed, number, *, dofs=150_000):
     """
     rng = np.random.default_rng([seed, number])
     dim = 2 if rng.random() < 0.75 else 3
-    row = ROWS[rng.integers(len(ROWS))]
+    row: Any = ROWS[rng.integers(len(ROWS))]
     method = row(form=str(rng.choice(["edge", "lifting"]))) if row.discontinuous else row()
     cells = str(rng.choice([*CELLS, "unstructured", "cad"] if dim == 2 else [*BOXCELLS, "delaunay"]))
     order, n = _Size(rng, dim, method, cells, dofs)
@@ -112,11 +114,11 @@ def Draw(seed, number, *, dofs=150_000):
     return Sample(problem, method, partial(BodyMesh, n, cells, order), n, order, kind, stiffness, coefficient, words)
 
 
-def LogUniform(rng, low, high):
+def LogUniform(rng: Any, low: float, high: float) -> float:
     return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
 
-def _Size(rng, dim, method, cells, dofs):
+def _Size(rng: Any, dim: int, method: Any, cells: str, dofs: float) -> tuple[int, int]:
     """(order, n): a mesh of at most about `dofs` unknowns."""
     order, wish = int(rng.integers(1, 5)), rng.uniform()
     known = {"triangle-flipped": "triangle", "unstructured": "triangle", "cad": "triangle", "delaunay": "tet"}
@@ -131,7 +133,7 @@ def _Size(rng, dim, method, cells, dofs):
     raise ProblemError(f"dofs is {dofs}; that is too few for a mesh with {smallest} cells per side, give more")
 
 
-def _Friction(rng, kind, coefficient, pressure, stiffness, exponent, depth):
+def _Friction(rng: Any, kind: str, coefficient: float, pressure: float, stiffness: float, exponent: float, depth: float) -> Any:
     steep = exponent + float(rng.choice([0, 0.5]))
     weaker, slip = rng.uniform(0.5, 1), pressure * LogUniform(rng, 0.1, 10)
     if kind == "coulomb":
@@ -144,7 +146,7 @@ def _Friction(rng, kind, coefficient, pressure, stiffness, exponent, depth):
     return PowerFriction(coefficient * pressure / penetration ** steep, steep)
 
 
-def _Gap(rng, dim, depth):
+def _Gap(rng: Any, dim: int, depth: float) -> tuple[Any, float]:
     """A wavy or sloping foundation and its relief in units of the depth."""
     relief = float(rng.choice([0.0, *3 * [0.5], *5 * [1.0], 2.0]))
     waves, phase = rng.uniform(0.5, 3), rng.uniform(0, 2 * np.pi)
@@ -154,7 +156,7 @@ def _Gap(rng, dim, depth):
     return gap, relief
 
 
-def _Load(rng, dim, load, shear, depth, pressure):
+def _Load(rng: Any, dim: int, load: str, shear: float, depth: float, pressure: float) -> dict[str, Any]:
     """Supports and loads: a top that is moved, a side that is pulled, or a body that only rollers and the foundation hold."""
     side, other = ("left", "right") if dim == 2 else ("back", "front")
     askew = rng.uniform(-1, 1)

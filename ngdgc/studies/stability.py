@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -51,13 +51,13 @@ class Constants:
 class Stability:
     """`rows`, the `Constants` of each discontinuous method, and `liftings`, the `LiftingBounds` for l = k."""
 
-    rows: list
+    rows: list[Constants]
     liftings: LiftingBounds
     title: str
 
 
 @ByKeyword
-def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "edge", rows: list | None = None,
+def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "edge", rows: list[Constants] | None = None,
           callback: Callable[[str], object] | None = None) -> Stability:
     """The `Stability` of all discontinuous methods for a problem on a mesh; `callback(line)` reports progress.
 
@@ -77,7 +77,7 @@ def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "e
     return Stability(rows, LiftingConstants(disc), title)
 
 
-def _Cells(row):
+def _Cells(row: Constants) -> list[str]:
     """A row of the table as words: method, critical and sufficient penalty, coercivity, boundedness."""
     critical = "any" if row.critical <= ROUNDOFF else f"{row.critical:.3g}"
     sufficient = {0: "any", np.inf: "unknown"}.get(row.sufficient, f"{row.sufficient:.3g}")
@@ -87,41 +87,41 @@ def _Cells(row):
 HEAD = ["method", "critical penalty", "by element bound", "coercivity", "boundedness"]
 
 
-def _LiftingWords(bounds):
+def _LiftingWords(bounds: Any) -> str:
     return f"Liftings: {bounds.c:.3g} |h^-1/2 [v]|_e <= |r_e([v])| <= {bounds.C:.3g} |h^-1/2 [v]|_e"
 
 
 @ByKeyword
-def Table(rows):
+def Table(rows: Sequence[Constants]) -> list[str]:
     """Lines of the table of Constants."""
     return Aligned([HEAD, *map(_Cells, rows)], numbers=True)
 
 
 @ByKeyword
-def Text(study):
+def Text(study: Stability) -> str:
     """The table for a terminal."""
     return "\n".join([f"Stability: {study.title}", "", *Table(study.rows), "", _LiftingWords(study.liftings), "",
                       "Critical penalty: the form is coercive above it.  Coercivity, boundedness: with penalty='auto'",
                       "c |||v|||^2 <= B(v, v) and B(u, v) <= C |||u||| |||v|||."])
 
 
-def _Table(head, rows):
+def _Table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
     return [*Piped([head, *rows]), ""]
 
 
 @ByKeyword
-def Markdown(study):
+def Markdown(study: Stability) -> list[str]:
     """The table for the documentation, a list of lines."""
     return _Table(HEAD, map(_Cells, study.rows))
 
 
-def _Problem(dim, lam=4.0):
+def _Problem(dim: int, lam: float = 4.0) -> ContactProblem:
     """A cantilever with mu = 1, held on the right."""
     return ContactProblem(HookeMaterial(mu=1.0, lam=float(lam)), Foundation("bottom", NormalCompliance(1.0)),
                           dirichlet={"right": CF((0,) * dim)})
 
 
-def _Consistency():
+def _Consistency() -> Iterator[list[str]]:
     exact, sizes = SmoothSlip(), (4, 8, 16)
     for form in ("edge", "lifting"):
         for order in (1, 2):
@@ -131,7 +131,7 @@ def _Consistency():
             yield [form, str(order), *(f"{value:.1e}" for value in residuals), rates]
 
 
-def _Liftings():
+def _Liftings() -> Iterator[list[str]]:
     for order, liftorder in ((1, 0), (1, 1), (2, 1), (2, 2), (3, 3)):
         cells = []
         for mesh in (RectangleMesh(4), RectangleMesh(8), RectangleMesh(4, upper=(1, 0.1))):
@@ -140,14 +140,14 @@ def _Liftings():
         yield [str(order), str(liftorder), *cells]
 
 
-def _Thresholds():
+def _Thresholds() -> Iterator[list[str]]:
     for ratio in RATIOS:
         values = [CriticalPenalty(_Problem(2, ratio), InteriorPenalty, RectangleMesh(4), order=k) * k ** 2 for k in (1, 2)]
         yield [str(ratio), *(f"{value:.1f} ({value / (ratio + 2):.2f})" for value in values)]
 
 
 @ByKeyword
-def Shapes():
+def Shapes() -> dict[str, tuple[Mesh, int]]:
     """Meshes of different shapes, {name: (mesh, facets of an element)}, held on "right"."""
     return {"triangles": (RectangleMesh(4), 3),
             "triangles, stretched by 10": (RectangleMesh(4, upper=(1, 0.1)), 3),
@@ -160,20 +160,20 @@ def Shapes():
             "cubes": (MakeStructured3DMesh(hexes=True, nx=2, ny=2, nz=2), 6)}
 
 
-def _Bassi():
+def _Bassi() -> Iterator[list[str]]:
     for name, (mesh, facets) in Shapes().items():
         values = [CriticalPenalty(_Problem(mesh.dim), BassiEtAl, mesh, order=order) for order in (1, 2)]
         yield [name, str(facets), *(f"{value:.3f}" for value in values)]
 
 
-def _Uniform():
+def _Uniform() -> Iterator[list[str]]:
     for row in ROWS:
         discs = [Discretization(_Problem(2), row(), RectangleMesh(n), order=1) for n in (4, 8, 16)]
         yield [row.name, *(f"{Coercivity(disc):.3f}, {Boundedness(disc):.1f}" for disc in discs)]
 
 
 @ByKeyword
-def StabilityPage():
+def StabilityPage() -> str:
     """The documentation page, Markdown."""
     study = Study(example_4_1.Problem("strain"), example_4_1.Mesh(8), order=1)
     skewed = MakeStructured2DMesh(quads=True, nx=4, ny=4, mapping=lambda s, t: (s + 0.4 * t * (1 - t), t * (1 - 0.8 * s)))

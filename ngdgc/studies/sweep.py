@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 from time import perf_counter
+from typing import IO, Any
 
 import numpy as np
 
-from ..contracts import Array
+from ..contracts import Array, Solver
+from ..discretization import Discretization
 from ..exceptions import NotConvergedError, ProblemError
 from ..problem.laws import CoulombFriction, PowerFriction, SlipWeakeningFriction, TrescaFriction
 from ..solution.solution import ContactSolution
 from ..solvers import NestedNewtonSolver
 from ..tools.calls import ByKeyword
-from .samples import Draw
+from .samples import Draw, Sample
 
 SHARP = 1e-8        # of the law violation
 ALLOWED = 0.02      # part of the problems that may fail
@@ -40,26 +43,26 @@ class Record:
     stiffness: float
     coefficient: float
     dofs: int = 0
-    zones: tuple = ()
+    zones: tuple[float, ...] = ()
     violation: float = float("nan")
-    steps: tuple = ()
-    solves: tuple = ()
+    steps: tuple[int, ...] = ()
+    solves: tuple[int, ...] = ()
     seconds: float = 0.0
     fromzero: int | None = None
     error: str = ""
 
     @property
-    def threezones(self):
+    def threezones(self) -> bool:
         return bool(self.zones) and min(self.zones) > 0
 
 
 @ByKeyword
-def Run(number, sample, *, solver=None, fromzero=None):
+def Run(number: int, sample: Sample, *, solver: Solver | None = None, fromzero: Solver | None = None) -> Record:
     """The `Record` of a Sample, solved by a solver, by default the one that `Discretization.Solve` takes.
 
     fromzero : a second solver, `SemismoothNewtonSolver()`, whose steps from rest are recorded as well where h >= 1/32
     """
-    known = {"number": number, "words": sample.words, "kind": sample.kind, "stiffness": sample.stiffness,
+    known: dict[str, Any] = {"number": number, "words": sample.words, "kind": sample.kind, "stiffness": sample.stiffness,
              "coefficient": sample.coefficient}
     start = perf_counter()
     disc = sample.Disc()
@@ -74,7 +77,7 @@ def Run(number, sample, *, solver=None, fromzero=None):
                   fromzero=_Steps(fromzero, disc) if fromzero and sample.n <= FROMREST else None)
 
 
-def _Steps(solver, disc):
+def _Steps(solver: Any, disc: Discretization) -> int:
     try:
         return len(solver.Solve(disc).history)
     except NotConvergedError:
@@ -121,7 +124,7 @@ def Violation(solution: ContactSolution) -> Array:
     return np.maximum(normal, np.min([stick, sliding, np.maximum(np.abs(size - bound) / fscale, beside)], axis=0))
 
 
-def _Bound(law, r, p, slid):
+def _Bound(law: Any, r: Array, p: Array, slid: Array) -> Array:
     """p_t (n,) [stress] at points (r, p) of the normal law and slips |u_t|."""
     if law is None:
         return 0 * r
@@ -137,7 +140,8 @@ def _Bound(law, r, p, slid):
 
 
 @ByKeyword
-def Sweep(samples, file, *, callback=None, **options):
+def Sweep(samples: Iterable[tuple[int, Sample]], file: IO[str], *, callback: Callable[[Record], object] | None = None,
+          **options: Any) -> list[Record]:
     """The list of Records of `samples`, pairs (number, Sample); the rest are arguments of `Run`.
 
     Each Record goes into the text file as one line of JSON as soon as it is there, and then to `callback(record)`; Ctrl-C
@@ -157,14 +161,14 @@ def Sweep(samples, file, *, callback=None, **options):
 
 
 @ByKeyword
-def Samples(seed, count, *, dofs=150_000):
+def Samples(seed: int, count: int, *, dofs: float = 150_000) -> Iterator[tuple[int, Sample]]:
     """Pairs (number, Sample) of a seed; see `Draw`."""
     for number in range(count):
         yield number, Draw(seed, number, dofs=dofs)
 
 
 @ByKeyword
-def Tally(records):
+def Tally(records: Sequence[Record]) -> str:
     """What to say about the records: how many failed and which, zones, worst violation, steps and applications."""
     solved = [record for record in records if not record.error]
     failed = [record for record in records if record.error]
@@ -195,11 +199,11 @@ def Tally(records):
     return "\n".join([*lines, *map(_Failure, failed)])
 
 
-def _Failure(record):
+def _Failure(record: Record) -> str:
     return f"FAILED {record.number}: {record.words}\n  {record.error}"
 
 
-def _Spread(values):
+def _Spread(values: Any) -> str:
     values = list(values)
     if not values:
         return "none"
@@ -207,7 +211,7 @@ def _Spread(values):
 
 
 @ByKeyword
-def Line(record):
+def Line(record: Record) -> str:
     """One line for the terminal."""
     state = "FAILED" if record.error else f"steps {list(record.steps)} applications {list(record.solves)}"
     return f"{record.number}: {record.words}: {state}, {record.seconds:.1f} s"

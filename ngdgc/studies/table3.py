@@ -16,18 +16,24 @@ which the interpolants of interior penalty come closest to the published numbers
 strain and `\\` for Example 4.2.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
+from typing import Any
 
 import numpy as np
 from ngsolve import TRIG, VOL, IntegrationRule
 
 from ..cases import example_4_1, example_4_2
+from ..contracts import Array
 from ..discretization import Discretization
 from ..errors import Rates
 from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates
 from ..methods.variants import Variants
+from ..solution.solution import ContactSolution
 from ..solvers import UzawaSolver
 
 EXAMPLES = {"4.1": example_4_1, "4.2": example_4_2}
@@ -52,21 +58,21 @@ class Reading:
     errors: np.ndarray
 
     @property
-    def ratios(self):
+    def ratios(self) -> Array:
         """Ours divided by the published numbers."""
         return self.errors / PUBLISHED[self.example]
 
     @property
-    def distance(self):
+    def distance(self) -> float:
         """Largest deviation of the ratios from 1."""
         return float(np.abs(self.ratios - 1).max())
 
     @property
-    def spread(self):
+    def spread(self) -> float:
         """Largest ratio over smallest, minus 1: zero if the orders are the published ones."""
         return float(self.ratios.max() / self.ratios.min() - 1)
 
-    def __str__(self):
+    def __str__(self) -> str:
         return (f"{self.protocol}, plane {self.plane}, diagonal `{DIAGONALS[self.cells]}`, "
                 f"ratios {self.ratios.min():.3f} to {self.ratios.max():.3f}")
 
@@ -74,7 +80,7 @@ class Reading:
 class BrokenP1:
     """A piecewise linear displacement as vertex coordinates and one-sided vertex values, both (elements, 3, 2)."""
 
-    def __init__(self, solution):
+    def __init__(self, solution: ContactSolution) -> None:
         self.mesh = solution.disc.mesh
         vertices = IntegrationRule(points=[(1, 0), (0, 1), (0, 0)], weights=[0, 0, 0])
         points = self.mesh.MapToAllElements({TRIG: vertices}, VOL)
@@ -84,17 +90,17 @@ class BrokenP1:
         edges = self.vertices[:, 1:] - self.vertices[:, :1]
         self.areas = np.abs(np.linalg.det(edges)) / 2
 
-    def Strain(self, values):
+    def Strain(self, values: Array) -> Array:
         """eps of the linear function with these vertex values, (elements, 2, 2)."""
         edges = self.vertices[:, 1:] - self.vertices[:, :1]
         gradient = np.linalg.solve(edges, values[:, 1:] - values[:, :1])
         return (gradient + np.swapaxes(gradient, 1, 2)) / 2
 
-    def Locate(self, points):
+    def Locate(self, points: Array) -> Any:
         """Numbers of the elements that contain the points (n, 2)."""
         return self.mesh(points[:, 0].copy(), points[:, 1].copy())["nr"]
 
-    def Averaged(self):
+    def Averaged(self) -> Array:
         """Vertex values averaged over the elements around each vertex, (elements, 3, 2)."""
         _, number = np.unique(np.round(self.vertices.reshape(-1, 2), 9), axis=0, return_inverse=True)
         number = np.ravel(number)
@@ -102,7 +108,7 @@ class BrokenP1:
         return np.stack([mean[number] for mean in means], axis=1).reshape(-1, 3, 2)
 
 
-def Errors(coarse, fine):
+def Errors(coarse: BrokenP1, fine: BrokenP1) -> tuple[float, ...]:
     """Errors of a coarse against a fine BrokenP1 in the three protocols."""
     parents = coarse.Locate(fine.centroids)
     true = _Seminorm(coarse.Strain(coarse.values)[parents] - fine.Strain(fine.values), fine.areas)
@@ -110,11 +116,11 @@ def Errors(coarse, fine):
                     for values in (fine.values, fine.Averaged())))
 
 
-def _Seminorm(strain, areas):
+def _Seminorm(strain: Array, areas: Array) -> float:
     return float(np.sqrt(np.einsum("kij,kij,k->", strain, strain, areas)))
 
 
-def _AtVertices(coarse, fine, values):
+def _AtVertices(coarse: BrokenP1, fine: BrokenP1, values: Array) -> Array:
     """Fine vertex values at the vertices of coarse elements, from the fine element in that corner, (elements, 3, 2)."""
     inward = coarse.vertices + 1e-3 * (coarse.centroids[:, None] - coarse.vertices)
     corner = fine.Locate(inward.reshape(-1, 2))
@@ -122,17 +128,17 @@ def _AtVertices(coarse, fine, values):
     return values[corner, distance.argmin(axis=1)].reshape(-1, 3, 2)
 
 
-def Methods(name="all"):
+def Methods(name: str = "all") -> dict[str, Any]:
     """{label: method} with the penalties of this table; `name` as for `variants.Variants`."""
     return Variants(name, penalty={"ip": 30, "ldg": 30})
 
 
-def Study(n=128, *, methods=None, callback=None):
+def Study(n: int = 128, *, methods: Any = None, callback: Callable[[str], object] | None = None) -> list[Reading]:
     """All `Readings` as a list."""
     return list(Readings(n, methods=methods, callback=callback))
 
 
-def Readings(n=128, *, methods=None, callback=None):
+def Readings(n: int = 128, *, methods: Any = None, callback: Callable[[str], object] | None = None) -> Iterator[Reading]:
     """Yield every Reading; `n` is the reference mesh 1/n, a multiple of 32, and `callback(line)` reports progress.
 
     methods : {label: method}, by default Methods(), all nine
@@ -146,7 +152,7 @@ def Readings(n=128, *, methods=None, callback=None):
             yield from _Read(example, name, method, plane, cells, n)
 
 
-def _Read(example, name, method, plane, cells, n):
+def _Read(example: str, name: str, method: Any, plane: str, cells: str, n: int) -> list[Reading]:
     """The protocols of one solution."""
     case = EXAMPLES[example]
     problem = case.Problem(plane)
@@ -158,7 +164,7 @@ def _Read(example, name, method, plane, cells, n):
     return [Reading(example, name, plane, cells, protocol, errors[:, column]) for column, protocol in enumerate(protocols)]
 
 
-def _Sections(readings):
+def _Sections(readings: Sequence[Reading]) -> Iterator[tuple[str, list[Any]]]:
     """(title, rows) of the tables: the methods in every reading, then all methods in the closest one; rows are (label, cells
     of the four meshes, orders)."""
     for example in EXAMPLES:
@@ -176,17 +182,17 @@ def _Sections(readings):
                [_Published(example), *(_Row(*row) for row in rows)])
 
 
-def _Published(example):
+def _Published(example: str) -> tuple[Any, ...]:
     return "published (IP)", [f"{value:.4e}" for value in PUBLISHED[example]], Rates(PUBLISHED[example])
 
 
-def _Row(label, reading):
+def _Row(label: str, reading: Reading) -> tuple[Any, ...]:
     return label, [f"{e:.4e} ({r:.2f})" for e, r in zip(reading.errors, reading.ratios)], Rates(reading.errors)
 
 
-def FormDifferences(readings):
+def FormDifferences(readings: Sequence[Reading]) -> list[str]:
     """Sentences: largest relative difference of the errors of edge and lifting form, per example and method."""
-    found = {}
+    found: dict[tuple[str, str], float] = {}
     for edge, lifting in product(readings, readings):
         pair = edge.method.removesuffix(" edge"), lifting.method.removesuffix(" lifting")
         same = all(getattr(edge, name) == getattr(lifting, name) for name in ("example", "plane", "cells", "protocol"))
@@ -197,7 +203,7 @@ def FormDifferences(readings):
             for (example, name), difference in found.items()]
 
 
-def Verdict(readings):
+def Verdict(readings: Sequence[Reading]) -> list[str]:
     """Sentences: which interior-penalty reading comes closest in each protocol, and whose orders agree best."""
     sentences = []
     for example in EXAMPLES:
@@ -213,7 +219,7 @@ def Verdict(readings):
     return sentences
 
 
-def Text(readings):
+def Text(readings: Sequence[Reading]) -> str:
     """The tables for a terminal."""
     lines = []
     for title, rows in _Sections(readings):
@@ -225,7 +231,7 @@ def Text(readings):
     return "\n".join(lines + Verdict(readings) + FormDifferences(readings))
 
 
-def Page(readings):
+def Page(readings: Sequence[Reading]) -> str:
     """The documentation page, Markdown."""
     lines = ["# Table 3 of the paper, in every reading", "",
              "Written by `ngdgc table3 --page docs/table3.md`; nothing on this page is typed by hand.", "",

@@ -1,11 +1,18 @@
 """Tables and figures of the atlas of solvers, for a terminal, a page of the documentation and a spreadsheet."""
 
+from __future__ import annotations
+
 import csv
+from collections.abc import Iterator, Mapping, Sequence
 from textwrap import fill
+from typing import IO, Any
+
+from matplotlib.figure import Figure
 
 from ...plots import AtlasFigure
 from ...tools.tables import Aligned, Piped
 from . import solvers as atlas
+from .solvers import Row, Sweep
 
 TITLES = {"own": "The paper's examples", "stiffness": "Stiffness of the foundation", "coefficient": "Friction coefficient",
           "size": "Mesh size", "order": "Order", "method": "Method", "box": "Three dimensions"}
@@ -17,10 +24,11 @@ FIGURES = {"stiffness": ("stiffness", ("iterations", "solves")), "coefficient": 
 class Table:
     """Rows as comma-separated values in an open text file, each as soon as it comes, so that an interruption loses none."""
 
-    def __init__(self, file):
-        self.file, self.writer = file, None
+    def __init__(self, file: IO[str]) -> None:
+        self.file = file
+        self.writer: csv.DictWriter[str] | None = None
 
-    def Add(self, row):
+    def Add(self, row: Row) -> None:
         flat = row.Flat()
         if self.writer is None:
             self.writer = csv.DictWriter(self.file, flat, lineterminator="\n")
@@ -29,11 +37,12 @@ class Table:
         self.file.flush()
 
 
-def Sections(rows, sweeps):
+def Sections(rows: Sequence[Row], sweeps: Mapping[str, Sweep]) -> tuple[list[Any], dict[str, int]]:
     """(sweep name, head, cells) of each sweep with rows: cells are texts, a line for each point and a column for each solver;
     then the reasons that they refer to by number, {reason: number}."""
     labels = [label for label in atlas.Solvers() if any(row.solver == label for row in rows)]
-    reasons, found = {}, []
+    reasons: dict[str, int] = {}
+    found: list[Any] = []
     for name, sweep in sweeps.items():
         own = {(row.point, row.solver): row for row in rows if row.sweep == name}
         lines = []
@@ -47,7 +56,7 @@ def Sections(rows, sweeps):
     return found, reasons
 
 
-def _Cell(row, reasons):
+def _Cell(row: Row | None, reasons: dict[str, int]) -> str:
     """Iterations / applications (+ those on coarser meshes) / seconds, or a dash and the number of the reason."""
     if row is None:
         return ""
@@ -57,7 +66,7 @@ def _Cell(row, reasons):
     return f"{row.iterations} / {row.solves}{coarser} / {row.seconds:.2g}"
 
 
-def Reasons(rows, reasons):
+def Reasons(rows: Sequence[Row], reasons: Mapping[str, int]) -> Iterator[str]:
     """Lines "(number) reason", with how long it took to see it."""
     for reason, number in reasons.items():
         counts = sorted({row.iterations for row in rows if row.reason == reason and row.iterations})
@@ -65,7 +74,7 @@ def Reasons(rows, reasons):
         yield f"({number}) {reason}" + (f"; seen after {span} iterations" if counts else "")
 
 
-def Agreement(rows):
+def Agreement(rows: Sequence[Row]) -> str:
     """A sentence: how far the solutions of different solvers are apart."""
     differences = sorted(row.difference for row in rows if row.difference is not None)
     if not differences:
@@ -75,7 +84,7 @@ def Agreement(rows):
             f"the farthest are {differences[-1]:.1e} apart,\nrelative, in displacement and projected traction.")
 
 
-def Text(rows, sweeps):
+def Text(rows: Sequence[Row], sweeps: Mapping[str, Sweep]) -> str:
     """The tables for a terminal."""
     sections, reasons = Sections(rows, sweeps)
     lines = ["iterations / applications of an inverse (+ on coarser meshes) / seconds"]
@@ -84,7 +93,7 @@ def Text(rows, sweeps):
     return "\n".join([*lines, "", *Reasons(rows, reasons), Agreement(rows)])
 
 
-def Figures(rows, sweeps):
+def Figures(rows: Sequence[Row], sweeps: Mapping[str, Sweep]) -> dict[str, Figure]:
     """{name: figure} against stiffness, friction coefficient and mesh size, of the sweeps that have rows."""
     figures = {}
     for kind, (variable, quantities) in FIGURES.items():
@@ -144,7 +153,7 @@ LOOK = {
     "box": "Friction with two tangential components."}
 
 
-def Page(rows, sweeps):
+def Page(rows: Sequence[Row], sweeps: Mapping[str, Sweep]) -> str:
     """The page, Markdown; its figures are images/NAME.png of `Figures`."""
     sections, reasons = Sections(rows, sweeps)
     base, figures = atlas.Point(), Figures(rows, sweeps)

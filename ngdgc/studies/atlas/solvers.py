@@ -4,9 +4,13 @@ Uzawa's iteration as in Xiao, Wang, Han 2018, its improvements, and Newton's met
 point: the stiffness of the foundation, the friction coefficient, the mesh, the order, the method, the dimension.
 """
 
+from __future__ import annotations
+
 import re
 import time
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, replace
+from typing import Any
 
 import numpy as np
 from ngsolve import CF, x, y
@@ -32,9 +36,9 @@ YOUNG = {"4.1": 2000, "4.2": 2500, "block": 1000, "box": 1000}      # E [stress]
 
 
 @ByKeyword
-def Solvers(*, tol=TOL, limit=LIMIT):
+def Solvers(*, tol: float = TOL, limit: int = LIMIT) -> dict[str, Any]:
     """{label: solver}, from the paper's iteration to the default of the package."""
-    def Uzawa(**arguments):
+    def Uzawa(**arguments: Any) -> UzawaSolver:
         return UzawaSolver(tol=tol, maxiter=limit, **arguments)
 
     return {"Uzawa": Uzawa(), "Uzawa, Anderson": Uzawa(acceleration="anderson"), "implicit": Uzawa(normal="implicit"),
@@ -65,14 +69,14 @@ class Point:
     order: int = 1
     n: int = 16
 
-    def __post_init__(self):
+    def __post_init__(self) -> None:
         if self.problem not in YOUNG:
             raise ProblemError(f"problem is {self.problem!r}; choose one of {', '.join(YOUNG)}")
         if self.stiffness is None and self.problem not in EXAMPLES:
             raise ProblemError(f"stiffness is None, but problem {self.problem!r} has no foundation of its own; give k_n/E")
 
     @property
-    def contactproblem(self):
+    def contactproblem(self) -> ContactProblem:
         if self.stiffness is None:
             return EXAMPLES[self.problem].Problem()
         law = NormalCompliance(self.stiffness * YOUNG[self.problem])
@@ -80,18 +84,19 @@ class Point:
         if self.problem in EXAMPLES:
             problem = EXAMPLES[self.problem].Problem()
             return replace(problem, foundation=replace(problem.foundation[0], compliance=law, friction=friction))
-        gap, shift = (x - 0.5) ** 2 / 10, (0.002, -0.02)
+        gap: Any = (x - 0.5) ** 2 / 10
+        shift: tuple[float, ...] = (0.002, -0.02)
         if self.problem == "box":
             gap, shift = gap + (y - 0.5) ** 2 / 10, (0.002, 0.001, -0.02)
         return ContactProblem(HookeMaterial(E=YOUNG[self.problem], nu=0.3),
                               Foundation("bottom", law, friction=friction, gap=gap), dirichlet={"top": CF(shift)})
 
-    def Mesh(self):
+    def Mesh(self) -> Any:
         """The mesh of n cells per side."""
-        mesh = {"block": RectangleMesh, "box": BoxMesh}.get(self.problem) or EXAMPLES[self.problem].Mesh
+        mesh: Any = {"block": RectangleMesh, "box": BoxMesh}.get(self.problem) or EXAMPLES[self.problem].Mesh
         return mesh(self.n)
 
-    def Discretization(self):
+    def Discretization(self) -> Any:
         """A new one, with its matrix but without a factorisation."""
         disc = Discretization(self.contactproblem, Variants()[self.method], self.Mesh(), order=self.order)
         disc.matrix     # noqa: B018  made here: every solver needs it, and none is charged for it
@@ -109,19 +114,19 @@ class Sweep:
 
     what: str
     variable: str
-    points: tuple
+    points: tuple[Point, ...]
 
     @property
-    def title(self):
+    def title(self) -> str:
         return f"{self.what}: {VARIABLES[self.variable]}"
 
 
-def _Vary(what, variable, values, **base):
+def _Vary(what: str, variable: str, values: Iterable[Any], **base: Any) -> Sweep:
     return Sweep(what, variable, tuple(Point(**{**base, variable: value}) for value in values))
 
 
 @ByKeyword
-def Sweeps():
+def Sweeps() -> dict[str, Sweep]:
     """{name: Sweep} of the whole atlas."""
     stiffness = (1e-3, 1e-2, 0.1, 1, 10, 100, 1e3, 1e5, 1e7, 1e9)
     sweeps = {"own": _Vary("The paper's examples", "problem", tuple(EXAMPLES), stiffness=None),
@@ -141,7 +146,7 @@ def Sweeps():
 
 
 @ByKeyword
-def QuickSweeps():
+def QuickSweeps() -> dict[str, Sweep]:
     """{name: Sweep} of a few tiny problems that show what the atlas does, not what it finds."""
     return {"own": _Vary("The paper's examples", "problem", tuple(EXAMPLES), stiffness=None, n=2),
             "stiffness": _Vary("Block", "stiffness", (0.1, STIFF), n=2),
@@ -178,17 +183,17 @@ class Row:
     message: str = ""
 
     @property
-    def converged(self):
+    def converged(self) -> bool:
         return not self.reason
 
-    def Flat(self):
+    def Flat(self) -> dict[str, Any]:
         """{name: value} of point and row, for a table."""
         values = asdict(self)
         return {"sweep": values.pop("sweep"), **values.pop("point"), **values}
 
 
 @ByKeyword
-def Run(point, label, solver, references):
+def Run(point: Point, label: str, solver: Any, references: list[Any]) -> Row:
     """The Row of one solver for one point, on a Discretization of its own so that it pays for its factorisations itself.
 
     references : list of (displacement, projected traction), (n, d) each, to which the first solution of the point is added
@@ -213,7 +218,7 @@ def Run(point, label, solver, references):
 
 
 @ByKeyword
-def Cause(message):
+def Cause(message: str) -> str:
     """What a NotConvergedError says before numbers and remedies.
 
     >>> Cause("Uzawa cannot converge for any rho: the contraction number |p_n' S_nn| is 5")
@@ -228,14 +233,15 @@ FINEST = {"nested Newton": 256, "Newton": 128}     # cells per side for which a 
 
 
 @ByKeyword
-def Study(sweeps, *, limit=LIMIT, callback=None):
+def Study(sweeps: Mapping[str, Sweep], *, limit: int = LIMIT, callback: Callable[[str], object] | None = None) -> Iterator[Row]:
     """Yield the Rows of every point of the sweeps, a dictionary such as `Sweeps()`, and all `Solvers`, as they come.
 
     limit : of iterations
     callback : called with a line of progress before each point
     """
     solvers = Solvers(limit=limit)
-    known, references = {}, {}
+    known: dict[Any, Row] = {}
+    references: dict[Point, list[Any]] = {}
     for name, sweep in sweeps.items():
         slow = set()
         for point in sweep.points:

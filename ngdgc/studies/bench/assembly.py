@@ -1,7 +1,11 @@
 """What the assembly of a method costs beside the factorisation of its matrix, measured in one run."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
 from dataclasses import dataclass
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
@@ -32,12 +36,12 @@ class Assembly:
     peak: float
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Median of assembly over factorisation, each pair measured one after the other."""
         return float(np.median(self.assembly / self.factorisation))
 
 
-def MeasureAssembly(method, *, order=1, n=256, repeat=3, assembly="facet"):
+def MeasureAssembly(method: Any, *, order: int = 1, n: int = 256, repeat: int = 3, assembly: str = "facet") -> Assembly:
     """The `Assembly` of a method on the geometry of Example 4.1, n x n x 2 triangles, in a process of its own.
 
     Raises ProblemError for repeat < 1, and what Discretization raises.
@@ -45,8 +49,8 @@ def MeasureAssembly(method, *, order=1, n=256, repeat=3, assembly="facet"):
     return Alone(_Measure, repeat, method, order, n, assembly)
 
 
-def _Measure(method, order, n, assembly, repeat):
-    before, peak, rows = PeakMemory(), 0, []
+def _Measure(method: Any, order: int, n: int, assembly: str, repeat: int) -> Assembly:
+    before, peak, rows = PeakMemory(), 0.0, []
     mesh, problem = example_4_1.Mesh(n), example_4_1.Problem()
     for _ in range(repeat):
         times = [perf_counter()]
@@ -62,15 +66,16 @@ def _Measure(method, order, n, assembly, repeat):
         rows.append(np.diff(times))
         dofs, entries = disc.space.ndof, matrix.nze
         del inverse, matrix, disc       # only one at a time
-    return Assembly(Label(method), dofs, entries, *np.array(rows).T, before, peak)
+    setup, whole, factorisation = np.array(rows).T
+    return Assembly(Label(method), dofs, entries, setup, whole, factorisation, before, peak)
 
 
 HEADER = ("method", "dofs", "entries", "setup [s]", "assembly [s]", "factorisation [s]", "assembly/factorisation", "peak [MiB]")
 
 
-def Text(rows):
+def Text(rows: Sequence[Assembly]) -> str:
     """The table for a terminal: medians, and the peak memory of the assembly."""
-    cells = [HEADER]
+    cells: list[tuple[str, ...]] = [HEADER]
     for row in rows:
         medians = [f"{np.median(times):.2f}" for times in (row.setup, row.assembly, row.factorisation)]
         cells.append((row.label, str(row.dofs), str(row.entries), *medians, f"{row.ratio:.2f}", f"{row.peak:.0f}"))

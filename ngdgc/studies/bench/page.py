@@ -1,16 +1,22 @@
 """Tables, figure and page of the benchmark."""
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
 import numpy as np
+from matplotlib.figure import Figure
 
 from ...plots import GrowthFigure
 from ...tools.tables import Aligned, Piped
-from .solutions import TOL, Growth
+from .solutions import TOL, Cost, Growth
 
 HEADER = ("problem", "unknowns", "setup", "assembly", "coarse", "inverse", "contact", "total", "reference", "total/reference",
           "steps", "solves", "cycles", "alone", "by", "peak [GiB]")
 
 
-def _Cells(cost):
+def _Cells(cost: Cost) -> list[str]:
     point = cost.point
     medians = [f"{np.median(times):.2f}" for times in (cost.setup, cost.assembly, cost.coarse, cost.inverse, cost.contact,
                                                        cost.total)]
@@ -20,13 +26,13 @@ def _Cells(cost):
             str(cost.solves), *cycles, cost.kind, f"{cost.peak / 1024:.2f}"]
 
 
-def _Growths(benches):
+def _Growths(benches: Mapping[str, Sequence[Cost]]) -> list[tuple[str, float]]:
     """(name, exponent) of the benches in which only the size varies."""
     return [(name, Growth(costs)) for name, costs in benches.items()
             if len({cost.point.n for cost in costs}) == len(costs) > 1 and len({cost.point.order for cost in costs}) == 1]
 
 
-def Text(benches, peers):
+def Text(benches: Mapping[str, Sequence[Cost]], peers: Iterable[str]) -> str:
     """The tables for a terminal.
 
     benches : {name: list of `bench.solutions.Cost`};  peers : lines of text
@@ -38,7 +44,7 @@ def Text(benches, peers):
     return "\n".join(lines[1:])
 
 
-def Compared(name, result, ours):
+def Compared(name: str, result: Any, ours: Cost) -> str:
     """A line on a peer: a dict of `solutions.Peer` beside our Cost of the same problem, or the reason why there is none."""
     if isinstance(result, str):
         return f"{name}: skipped, {result}"
@@ -48,9 +54,9 @@ def Compared(name, result, ours):
             f"{ours.dofs} unknowns")
 
 
-def Figures(benches):
+def Figures(benches: Mapping[str, Sequence[Cost]]) -> dict[str, Figure]:
     """{name: figure}: growth in 2D and 3D."""
-    panels = {}
+    panels: dict[str, Any] = {}
     for name, _ in _Growths(benches):
         solid = benches[name][0].point.problem == "box"
         panels.setdefault("Three dimensions" if solid else "Two dimensions", {})[name] = benches[name]
@@ -73,7 +79,7 @@ ratios to the *reference* of the same run: NGSolve's sparse Cholesky factorisati
 """
 
 
-def Page(benches, peers, processors):
+def Page(benches: Mapping[str, Sequence[Cost]], peers: Iterable[str], processors: int) -> str:
     """The page, Markdown; its figure is images/performance.png of `Figures`."""
     repeat = max(len(cost.total) for costs in benches.values() for cost in costs)
     runs = f"medians over {repeat} runs, of the largest problems over one," if repeat > 1 else "of one run"

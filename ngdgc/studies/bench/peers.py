@@ -5,16 +5,19 @@ This file needs nothing of ngdgc: `python peers.py getfem 32` prints a line of J
 foundation with p_n = 100 r and Coulomb friction 0.3 behind the gap (x - 1/2)^2/10.
 """
 
+from __future__ import annotations
+
 import json
 import sys
 import time
+from typing import Any
 
 E, NU, STIFFNESS, COEFFICIENT = 1000.0, 0.3, 100.0, 0.3
 LAM, MU = E * NU / (1 + NU) / (1 - 2 * NU), E / 2 / (1 + NU)
 TOL, LIMIT = 1e-8, 100
 
 
-def GetFEM(n):
+def GetFEM(n: int) -> dict[str, float]:
     """Displacements of order 2, conforming, on n x n x 2 triangles, with multipliers of order 1 for friction.
 
     Normal compliance and the projection of the multiplier onto the friction bound in GetFEM's assembly language, its own
@@ -53,7 +56,7 @@ def GetFEM(n):
             "normalforce": float(gf.asm_generic(rule, 0, pressure, bottom, model))}
 
 
-def DOLFINx(n):
+def DOLFINx(n: int) -> dict[str, float]:
     """The assembly of interior penalty of order 1 on n x n x 2 triangles, once compiled, and once more."""
     import ufl
     from dolfinx import fem, mesh
@@ -64,11 +67,11 @@ def DOLFINx(n):
     u, v, normal = ufl.TrialFunction(space), ufl.TestFunction(space), ufl.FacetNormal(square)
     size = ufl.CellDiameter(square)
 
-    def Stress(w):
+    def Stress(w: Any) -> Any:
         strain = ufl.sym(ufl.grad(w))
         return 2 * MU * strain + LAM * ufl.tr(strain) * ufl.Identity(2)
 
-    def Jump(w):
+    def Jump(w: Any) -> Any:
         return ufl.outer(w("+"), normal("+")) + ufl.outer(w("-"), normal("-"))
 
     form = (ufl.inner(Stress(u), ufl.sym(ufl.grad(v))) * ufl.dx

@@ -4,22 +4,28 @@ Every measurement runs in a process of its own, which has a peak memory of its o
 Cholesky factorisation of the matrix and one solve with it, right after what is compared with it.
 """
 
+from __future__ import annotations
+
 import json
 import multiprocessing
 import resource
 import signal
 import subprocess
 import sys
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from time import perf_counter
+from typing import Any
 
 import numpy as np
 
+from ...contracts import Array
 from ...discretization import Discretization
 from ...exceptions import ProblemError
 from ...mesh.facets import Threads
 from ...methods.variants import Variants
 from ...problem.materials import HookeMaterial
+from ...problem.problem import ContactProblem
 from ..atlas.solvers import Point
 from . import peers
 
@@ -35,7 +41,7 @@ class Swollen(Point):
     nu: float = 0.3
 
     @property
-    def contactproblem(self):
+    def contactproblem(self) -> ContactProblem:
         problem = super().contactproblem
         return replace(problem, material=HookeMaterial(E=problem.material.E, nu=self.nu))
 
@@ -72,17 +78,17 @@ class Cost:
     solve: np.ndarray
 
     @property
-    def reference(self):
+    def reference(self) -> Array:
         """Factorisation and one solve [s], an array over runs."""
         return self.factorisation + self.solve
 
     @property
-    def ratio(self):
+    def ratio(self) -> float:
         """Median of total over reference, each pair measured one after the other; NaN without reference."""
         return float(np.median(self.total / self.reference)) if len(self.reference) else np.nan
 
 
-def Measure(point, *, repeat=3, inverse="auto"):
+def Measure(point: Point, *, repeat: int = 3, inverse: Any = "auto") -> Cost:
     """The `Cost` of a Point, in a process of its own.
 
     inverse : as for Discretization
@@ -92,7 +98,7 @@ def Measure(point, *, repeat=3, inverse="auto"):
     return Alone(_Measure, repeat, point, inverse)
 
 
-def Alone(function, repeat, *arguments):
+def Alone(function: Callable[..., Any], repeat: int, *arguments: Any) -> Any:
     """function(*arguments, repeat) in a process of its own; ProblemError for repeat < 1."""
     if repeat < 1:
         raise ProblemError(f"repeat is {repeat}; give the number of runs, at least one")
@@ -101,8 +107,9 @@ def Alone(function, repeat, *arguments):
         return pool.apply(function, (*arguments, repeat))
 
 
-def _Measure(point, inverse, repeat):
-    mesh, problem, method, peak, rows = point.Mesh(), point.contactproblem, Variants()[point.method], 0, []
+def _Measure(point: Point, inverse: Any, repeat: int) -> Cost:
+    mesh, problem, method, peak = point.Mesh(), point.contactproblem, Variants()[point.method], 0.0
+    rows: list[list[float]] = []
     for _ in range(repeat):
         times = [perf_counter()]
         disc = Discretization(problem, method, mesh, order=point.order, inverse=inverse)
@@ -124,7 +131,7 @@ def _Measure(point, inverse, repeat):
     return Cost(point, *known, peak, *columns)
 
 
-def _Linear(disc):
+def _Linear(disc: Discretization) -> int:
     """Steps of conjugate gradients for the response to the loads without foundation."""
     if not disc.iterates:
         return 0
@@ -132,7 +139,7 @@ def _Linear(disc):
     return disc.inverse.iterations
 
 
-def _Reference(disc):
+def _Reference(disc: Discretization) -> tuple[float, float]:
     """Seconds for NGSolve's sparse Cholesky factorisation, and for one solve with it once its memory has been touched."""
     vector = disc.matrix.CreateColVector()
     vector[:] = 1
@@ -147,27 +154,27 @@ def _Reference(disc):
         return factorised - start, perf_counter() - begin
 
 
-def PeakMemory():
+def PeakMemory() -> float:
     """Largest resident memory of this process so far [MiB]."""
     unit = 1 if sys.platform == "darwin" else 1024
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / MEGABYTE
 
 
-def Growth(costs):
+def Growth(costs: Sequence[Cost]) -> float:
     """Exponent p of total ~ dofs^p, least squares over the medians of at least two sizes, NaN for fewer."""
     if len(costs) < 2:
         return np.nan
     return float(np.polyfit(np.log([cost.dofs for cost in costs]), np.log([np.median(cost.total) for cost in costs]), 1)[0])
 
 
-def Benches(*, quick=False):
+def Benches(*, quick: bool = False) -> dict[str, list[Point]]:
     """{name: points} of the whole benchmark: growth with the size, methods, orders, and the peers' problem."""
-    def Sizes(sizes, **base):
+    def Sizes(sizes: Sequence[int], **base: Any) -> list[Point]:
         return [Point(n=n, **base) for n in sizes]
 
     plane, solid, fine, coarse = (((8, 16), (2, 3), 8, 4) if quick else ((64, 128, 256, 512), (6, 11, 24), 128, 8))
     smaller = plane if quick else plane[:-1]        # the largest ones, minutes each, once
-    stiff = {"stiffness": 500.0, "coefficient": 0.5}        # k_n = 1e6
+    stiff: dict[str, Any] = {"stiffness": 500.0, "coefficient": 0.5}        # k_n = 1e6
     return {
         "Example 4.1, its own data": Sizes(plane, problem="4.1", stiffness=None),
         "Example 4.1, k_n = 1e6, Coulomb friction 0.5": Sizes(smaller, problem="4.1", **stiff),
@@ -185,13 +192,13 @@ def Benches(*, quick=False):
                                                             for n in (solid if quick else (6, 11, 14))]}
 
 
-def Rivals(*, quick=False):
+def Rivals(*, quick: bool = False) -> dict[str, tuple[Point, int]]:
     """{peer: (Point, n)}: what each one is compared with."""
     return {"GetFEM": (Point(problem="block", method="H1", order=2, n=8 if quick else 128), 8 if quick else 128),
             "DOLFINx": (Point(problem="block", n=8 if quick else 256), 8 if quick else 256)}
 
 
-def Peer(name, n, *, python=sys.executable):
+def Peer(name: str, n: int, *, python: str = sys.executable) -> dict[str, Any] | str:
     """What a peer took (`peers` module), run by an interpreter that has it: a dict; or why it did not run, a line of text."""
     run = subprocess.run([python, "-I", peers.__file__, name, str(n)], capture_output=True, text=True)
     if run.returncode:

@@ -259,6 +259,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "Animation.solutions": lambda s: [s.solution, s.solution],
     "ContactSolution.traction": lambda s: s.solution.traction.copy(),
     "history": lambda s: [],
+    "levels": lambda s: [],
     "converged": lambda s: True,
     "solver": lambda s: "none",
     "Predict": lambda s: None,

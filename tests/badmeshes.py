@@ -1,10 +1,13 @@
 """Meshes that say something twice or wrongly, as generators and hands write them."""
 
+import pytest
 from netgen.meshing import Element1D, Element2D, Element3D, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import Box, Circle, IdentificationType, OCCGeometry, Rectangle, X, Y, Z
 from ngsolve import Mesh
 
+from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, ProblemError)
 from ngdgc.meshes import UnitMesh
 
 
@@ -103,3 +106,23 @@ def Refined():
     mesh = Mesh(OCCGeometry(Circle((0, 0), 1).Face(), dim=2).GenerateMesh(maxh=0.7)).Curve(3)
     mesh.Refine()
     return mesh
+
+
+SQUARE = [(0, 0), (1, 0), (1, 1), (0, 1)]
+CUBE = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)]
+EDGE = LDG()
+METHODS = EDGE, InteriorPenalty(form="lifting"), BassiEtAl(), Conforming()
+
+
+def Block(mesh, method=EDGE, region="bottom", *, order=1, **supports):
+    """Two springs in series: N = 0.03 / (1/200 + 1/1000) = 5 on an area of 1, as nu = 0."""
+    supports = supports or {"dirichlet": {"top": (0,) * (mesh.dim - 1) + (-0.03,)}}
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0), Foundation(region, NormalCompliance(200)), **supports)
+    return Discretization(problem, method, mesh, order=order)
+
+
+def Refused(mesh, *arguments, **options):
+    """The message of the ProblemError for a mesh."""
+    with pytest.raises(ProblemError) as caught:
+        Block(mesh, *arguments, **options).matrix   # noqa: B018
+    return str(caught.value)

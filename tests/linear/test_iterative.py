@@ -1,53 +1,22 @@
 """The inverse by conjugate gradients: the direct one's result, in a number of steps that does not grow, and its errors."""
 
-from functools import cache
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from iterated import NEARLY, Block, Steps, WithContact
 from netgen.csg import unit_cube
 from netgen.occ import Cylinder, OCCGeometry, Pnt, Z
-from ngsolve import CF, H1, L2, ConvertOperator, GridFunction, HDiv, IfPos, Mesh, VectorH1, VectorL2, x, y, z
+from ngsolve import CF, L2, GridFunction, IfPos, Mesh, x, y, z
 
-from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
-                   HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError)
+from ngdgc import LDG, BassiEtAl, BrezziEtAl, Conforming, InteriorPenalty, NonsymmetricInteriorPenalty, ProblemError
 from ngdgc.linear import multigrid as cycles
-from ngdgc.linear import solenoidal
 from ngdgc.contact.response import ContactResponse
-from ngdgc.linear.cycles import Corners, Entries, Galerkin
 from ngdgc.mesh.facets import Csr, Native
 from ngdgc.linear.conjugategradients import IterativeInverse
 from ngdgc.linear.factorisations import DirectMemory
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.linear.multigrid import PartlyContinuous, VCycle
-
-
-def Block(mesh, method=None, *, order=1, held=True, E=1, nu=0.3):
-    """A body under its weight, clamped at its top or held by friction at its bottom alone, where contact is."""
-    weight = (0.3,) * (mesh.dim - 1) + (-1,)
-    foundation = Foundation("bottom", NormalCompliance(1), friction=CoulombFriction(0.3))
-    problem = ContactProblem(HookeMaterial(E=E, nu=nu), foundation,
-                             dirichlet={"top": CF((0,) * mesh.dim)} if held else None, bodyforce=weight)
-    return Discretization(problem, method or InteriorPenalty(), mesh, order=order)
-
-
-def WithContact(disc, normal, tangential=0.0):
-    """A + T' W D T with D = normal n n' + tangential (I - n n')."""
-    contact = disc.contact
-    n = contact.normals
-    D = (normal - tangential) * np.einsum("pi,pj->pij", n, n) + tangential * np.eye(contact.dim)
-    entries = contact.weights[:, None, None] * D
-    weights = sp.bsr_matrix((entries, np.arange(len(n)), np.arange(len(n) + 1))).tocsr()
-    return Native(Csr(disc.matrix) + (contact.trace.T @ weights @ contact.trace).tocsr())
-
-
-def Steps(disc, matrix, *, rounding=0, **options):
-    """Number of steps to a true residual of 1e-8, computed here, not by the solver, up to its rounding."""
-    inverse = IterativeInverse(disc, matrix, **options)
-    u = inverse.Solve(disc.load)
-    residual = np.linalg.norm(Csr(matrix) @ u - disc.load) / np.linalg.norm(disc.load)
-    assert residual <= 1e-8 and residual == pytest.approx(inverse.residual, rel=1e-3, abs=rounding)
-    return inverse.iterations
 
 
 @pytest.mark.slow
@@ -114,39 +83,6 @@ def test_auxiliary_space_of_shapely_elements_is_h1_and_reproduces_rigid_motions(
     assert np.abs(Csr(stretched.matrix) @ motions).max() > 1e-3 * energy
 
 
-NEARLY = 0.499
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("nu", [0.44, 0.49, NEARLY, 0.4999])
-def test_steps_do_not_grow_with_lam(nu):
-    disc = Block(BoxMesh(5), nu=nu)
-    assert Steps(disc, WithContact(disc, 1e3)) <= 45
-
-
-@pytest.mark.slow
-def test_steps_do_not_grow_with_the_number_of_elements_of_nearly_incompressible_bodies():
-    few, many = (Steps(disc, disc.matrix) for disc in (Block(BoxMesh(n), nu=NEARLY) for n in (5, 8)))
-    assert few <= 40 and many <= 45
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("mesh", "order", "method", "bound"), [
-    (BoxMesh(3), 2, None, 35), (BoxMesh(2), 3, None, 35), (Mesh(unit_cube.GenerateMesh(maxh=0.3)), 1, None, 35),
-    (RectangleMesh(16), 1, None, 45), (RectangleMesh(8), 3, None, 50), (BoxMesh(4), 1, BassiEtAl(), 60),
-    (BoxMesh(4), 1, BrezziEtAl(), 60), (BoxMesh(4), 1, LDG(), 60), (BoxMesh(4), 1, InteriorPenalty(penalty=7000), 45)])
-def test_nearly_incompressible_bodies_of_all_orders_and_methods(mesh, order, method, bound):
-    disc = Block(mesh, method, order=order, nu=NEARLY)
-    assert Steps(disc, disc.matrix) <= bound
-
-
-@pytest.mark.slow
-def test_a_nearly_incompressible_body_that_only_contact_holds():
-    body = Block(BoxMesh(4), held=False, nu=NEARLY)
-    for D in (1, 1e3):
-        assert Steps(body, WithContact(body, D, D)) <= 50
-
-
 def Box(lower, inside, outside):
     """A value in the cube between lower and 2/3 and another one outside it."""
     value = CF(inside)
@@ -193,46 +129,6 @@ def test_curved_elements(order, curve, nu, bound):
     disc = Block(mesh, order=order, nu=nu)
     assert Steps(disc, disc.matrix) <= bound
     assert abs(Csr(disc.matrix) - Csr(straight)).max() > 1e-3 * abs(Csr(straight)).max()
-
-
-def Facetwise(space, facets):
-    """Blocks without the stars' curls: the dofs of each facet, and of each element."""
-    elements, dofs = Corners(space)
-    inner = [space.GetDofNrs(facet) for facet in space.mesh.facets]
-    return [list(block) for block in inner] + [dofs[elements == number].tolist() for number in range(space.mesh.ne)]
-
-
-@cache
-def Nearly():
-    """A body, and the steps that it takes with all levels."""
-    disc = Block(BoxMesh(4), nu=NEARLY)
-    return disc, Steps(disc, disc.matrix)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("level", "factor"), [
-    (("SWOLLEN", np.inf), 10), (("OVER", 0), 1.8), (("OVER", 1), 1.3), (("VertexStars", Facetwise), 1.8)],
-    ids=["all", "potentials", "overcorrection", "stars"])
-def test_without_one_of_their_levels_it_takes_more_steps(monkeypatch, level, factor):
-    disc, usual = Nearly()
-    monkeypatch.setattr(solenoidal, *level)
-    assert Steps(disc, disc.matrix, maxiter=5000) > factor * usual
-
-
-@pytest.mark.parametrize("mesh", [BoxMesh(3), RectangleMesh(4)], ids=["3D", "2D"])
-def test_curls_of_potentials_cost_what_they_cost_without_lam(mesh):
-    """Inside the body; at a clamped side their normal components cost lam."""
-    def Energies(nu):
-        disc = Block(mesh, held=False, nu=nu)
-        space, functions = HDiv(mesh, order=1), VectorH1(mesh, order=1)
-        potentials = H1(mesh, order=1) if mesh.dim == 2 else functions
-        matrix = Csr(disc.matrix) * 2 * (1 + nu)        # in units of mu = E/(2 (1 + nu))
-        inner = Galerkin(matrix, Entries(ConvertOperator(space, VectorL2(mesh, order=1))))
-        return [Galerkin(inner, Entries(operator)) for operator in (
-            ConvertOperator(potentials, space, trial_cf=solenoidal.Curl(potentials)), ConvertOperator(functions, space))]
-    (soft, softwithlam), (stiff, stiffwithlam) = Energies(0.3), Energies(NEARLY)
-    assert abs(stiff - soft).max() < 1e-10 * abs(soft).max()
-    assert abs(stiffwithlam).max() > 10 * abs(softwithlam).max()
 
 
 @pytest.mark.parametrize(("order", "nu"), [(1, 0.3), (2, 0.3), (1, NEARLY), (2, NEARLY)])

@@ -4,9 +4,11 @@ from ngsolve import Solve
 
 from .discretization import Discretization
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from .methods.conforming import Conforming
 from .methods.lifting import Lifting
-from .methods.rows import (LDG, BassiEtAl, BrezziEtAl, Conforming, IncompleteInteriorPenalty, InteriorPenalty,
-                           NonsymmetricInteriorPenalty)
+from .methods.overpenalised import WeaklyOverPenalised
+from .methods.penaltyfree import PenaltyFreeLDG
+from .methods.rows import LDG, BassiEtAl, BrezziEtAl, IncompleteInteriorPenalty, InteriorPenalty, NonsymmetricInteriorPenalty
 from .problem.foundation import Foundation
 from .problem.hypotheses import CheckLaws
 from .problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction, SlipWeakeningFriction,
@@ -25,5 +27,5 @@ __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "Check
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
            "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting",
            "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError",
-           "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveInterrupted",
-           "TrescaFriction", "UzawaSolver"]
+           "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve",
+           "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]

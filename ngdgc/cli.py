@@ -17,6 +17,7 @@ from .commands.files import Files
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from .methods.registry import METHODS, Named, Options
 from .tools.names import Known, Meant
 
 EPILOG = """examples:
@@ -121,8 +122,7 @@ def _AddRun(commands):
     run = commands.add_parser("run", help="solve a case; write report, figures, HTML page and VTK",
                               description="Solve a case and write report, figures, an HTML page, a VTK file and the solution.")
     run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
-    run.add_argument("--method", default="ip", help="ip (interior penalty), bassi, brezzi, ldg, nipg, iipg "
-                     "(unsymmetric interior penalty) or h1 (conforming); default ip")
+    run.add_argument("--method", default="ip", help=f"{Named()}; default ip")
     run.add_argument("--form", type=str.lower, default="edge", help="edge or lifting form of a discontinuous method (default "
                      "edge)")
     run.add_argument("--penalty", default="auto", type=NumberOrAuto, help="auto, or a number: for ip and ldg as in the "
@@ -216,15 +216,14 @@ def Stability(options):
 
 def _CaseArguments(case, options):
     """Keyword arguments for the case's Main; an option that the case does not know is an error."""
-    from .methods.rows import METHODS
-
     chosen = Known(options.method, METHODS, what="method")
     row = METHODS[chosen]
-    for name, default in (("penalty", "auto"), ("form", "edge")):
-        if getattr(options, name) != default and not row.discontinuous:
+    given = {name: getattr(options, name) for name, default in (("penalty", "auto"), ("form", "edge"))
+             if getattr(options, name) != default}
+    for name in given:
+        if name not in Options(row):
             raise ProblemError(f"--{name} does not apply to method {chosen!r}; leave it out")
-    method = row(penalty=options.penalty, form=options.form) if row.discontinuous else row()
-    arguments = {"method": method, "solver": _Solver(options)}
+    arguments = {"method": row(**given), "solver": _Solver(options)}
     known = inspect.signature(case.Main).parameters
     for name in ("order", "n", "plane", "cells"):
         value = getattr(options, name)

@@ -38,8 +38,79 @@ class Friction(Protocol):
     def Bound(self, r: Any, p: Any) -> Any: ...
 
 
+class Certainty(Protocol):
+    """What is known of the coercivity of a form: see `methods.guarantee.Guarantee`."""
+
+    @property
+    def holds(self) -> bool: ...
+
+    @property
+    def kappa(self) -> float | None: ...
+
+    @property
+    def culprit(self) -> str: ...
+
+    @property
+    def remedy(self) -> str: ...
+
+
+class Form(Protocol):
+    """B_h of a method on a mesh, before assembly; vectors (ndof,) are coefficients of the functions of V_h.
+
+    guarantee : what is known of its coercivity; an eigenvalue computation decides where that is not certain
+    consistent : Has it the term -<[v],{C eps(u)}>?  lifted : Is that (C eps(u), r_0[v]) instead, as a `FluxForm` has it?
+    Matrix : B_h, NGSolve's sparse matrix on V_h;  Norm : the energy norm g_h + stabilisation, against which coercivity counts
+    Prescribed : the loads of displacements that are prescribed weakly, {region: (ndof,)}
+    Fluxes : sigma_hat n tested with the jumps of V_h, {region with weak displacements, or None between elements: (ndof,)}; of a
+        conservative method A u - sum of Fluxes = int C eps(u):eps(v) for rigid v on each element, that is 0
+    """
+
+    @property
+    def guarantee(self) -> Certainty: ...
+
+    @property
+    def consistent(self) -> bool: ...
+
+    @property
+    def lifted(self) -> bool: ...
+
+    def Matrix(self) -> Any: ...
+
+    def Norm(self) -> Any: ...
+
+    def Prescribed(self) -> dict[str, Array]: ...
+
+    def Fluxes(self, gfu: Any) -> dict[Any, Array]: ...
+
+
+class FluxForm(Form, Protocol):
+    """A form with a numerical flux: that of a conservative method for assembly="facet".
+
+    operators : F_h and its blocks, `blocks.operators.FacetOperators`
+    FluxFunction : sigma_hat n, a GridFunction in F_h with the normal outward of the element with the smaller number [stress]
+    """
+
+    @property
+    def operators(self) -> Any: ...
+
+    def FluxFunction(self, gfu: Any) -> Any: ...
+
+
 class Method(Protocol):
-    """A method of the `methods.rows` module."""
+    """A method, and what others ask of it, each question by itself.
+
+    name : as tables print it
+    discontinuous : Do the functions of V_h jump between elements?  Then it is VectorL2 on `ScalarSpace`.
+    weak : Are displacements on Gamma_D imposed by terms of the form?  Else the dofs of V_h have them.
+    conservative : Is every element in balance with the numerical flux of the form, a `FluxForm`?
+    iterative : Does the cycle of `linear.multigrid` precondition A, if that is symmetric?
+    symmetric : Is B_h(u, v) = B_h(v, u)?
+    Space : V_h of order k, NGSolve's space, whose dofs on the boundaries `clamped` ("a|b") are not free unless they are weak
+    ScalarSpace : the space of its components
+    Form : B_h with E0 = interior facets, Gamma_D and rollers, a `Form`; assembly is "facet" or "skeleton"
+
+    A method that can be compared, copied and saved is a frozen dataclass.
+    """
 
     @property
     def name(self) -> str: ...
@@ -48,13 +119,27 @@ class Method(Protocol):
     def discontinuous(self) -> bool: ...
 
     @property
+    def weak(self) -> bool: ...
+
+    @property
+    def conservative(self) -> bool: ...
+
+    @property
+    def iterative(self) -> bool: ...
+
+    @property
     def symmetric(self) -> bool: ...
 
     def Space(self, mesh: Any, order: int, clamped: str) -> Any: ...
 
     def ScalarSpace(self, mesh: Any, order: int) -> Any: ...
 
-    def Form(self, problem: Any, facets: Any, space: Any, order: int, assembly: str) -> Any: ...
+    def Form(self, problem: Any, facets: Any, space: Any, order: int, assembly: str) -> Form: ...
+
+
+def Missing(given: Any, contract: type) -> list[str]:
+    """Members of a contract that an object has not."""
+    return [name for name in dir(contract) if not name.startswith("_") and not hasattr(given, name)]
 
 
 class Solver(Protocol):

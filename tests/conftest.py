@@ -7,7 +7,7 @@ os.environ.update(NGS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS
 
 import pytest
 from ngsolve import x
-from problems import EIGHT, METHODS, Pressed
+from problems import METHODS, TEN, Pressed
 from running import (pytest_collection_modifyitems, pytest_runtest_logstart, pytest_runtest_makereport,  # noqa: F401  hooks
                      pytest_terminal_summary, pytest_xdist_auto_num_workers)
 
@@ -17,9 +17,9 @@ from ngdgc.commands import output
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
 
-@pytest.fixture(params=EIGHT, ids=[f"{method.name}-{method.form}" for method in EIGHT])
-def eight(request):
-    """The four methods in their two forms."""
+@pytest.fixture(params=TEN, ids=[f"{method.name}-{method.form}" for method in TEN])
+def ten(request):
+    """The four methods of the paper and LDG without a penalty, in two forms each."""
     return request.param
 
 

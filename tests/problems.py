@@ -3,13 +3,13 @@
 from ngsolve import CF, x, y
 
 from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization,
-                   Foundation, HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, SemismoothNewtonSolver,
-                   TrescaFriction)
+                   Foundation, HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, PenaltyFreeLDG,
+                   SemismoothNewtonSolver, TrescaFriction)
 from ngdgc.cases import example_4_1, example_4_2
 
 METHODS = [InteriorPenalty(), InteriorPenalty(penalty=30), Conforming()]
 ROWS = (InteriorPenalty, BassiEtAl, BrezziEtAl, LDG)
-EIGHT = [row(form=form) for row in ROWS for form in ("edge", "lifting")]
+TEN = [row(form=form) for row in (*ROWS, PenaltyFreeLDG) for form in ("edge", "lifting")]
 
 
 def Example(stiffness=450.0, *, plane="strain", friction=1.0, **replacements):

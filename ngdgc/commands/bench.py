@@ -4,6 +4,7 @@ import os
 import sys
 
 from ..exceptions import ProblemError
+from ..methods.registry import METHODS, TakesForm
 from .arguments import Positive
 from .files import Files
 from .studies import Page as StudyPage, Show, Write, WritePage
@@ -27,8 +28,7 @@ def AddBench(commands):
         "assembly", help="assembly of a method on Example 4.1", description="Seconds for spaces and "
         "checks, for assembly (all operators, penalty, matrix) and for NGSolve's factorisation of "
         "the matrix, in one run: medians, and the peak memory of the assembly.")
-    assembly.add_argument("--method", type=str.lower, nargs="+", default=["ip"], help="ip, bassi, brezzi, ldg, nipg, iipg, h1 "
-                          "(default ip)")
+    assembly.add_argument("--method", type=str.lower, nargs="+", default=["ip"], help=f"{', '.join(METHODS)} (default ip)")
     assembly.add_argument("--form", type=str.lower, default="edge", help="edge or lifting (default edge)")
     assembly.add_argument("--assembly", type=str.lower, default="facet", help="facet or skeleton, NGSolve's symbols (default "
                           "facet)")
@@ -74,7 +74,7 @@ def BenchAssembly(options):
     from ..studies.bench.assembly import MeasureAssembly, Text
 
     methods = [method for name in options.method
-               for method in Variants(name, form=None if name == "h1" else options.form).values()]
+               for method in Variants(name, form=options.form if TakesForm(name) else None).values()]
     rows = []
     try:
         for method in methods:

@@ -3,6 +3,7 @@
 import numpy as np
 
 from ..exceptions import NotConvergedError, SolveInterrupted
+from ..methods.registry import METHODS, PAPER
 from ..tools.names import Known
 from ..tools.tables import Aligned
 from .arguments import Positive
@@ -19,8 +20,8 @@ def AddCompare(commands):
                                   description="Solve a case by several methods on the same mesh; write and print a table, and "
                                   "draw pressure, friction and deformed bodies side by side.")
     compare.add_argument("case", help="a file, or the name of a case that comes with the package")
-    compare.add_argument("--method", nargs="+", default=["ip", "bassi", "brezzi", "ldg", "h1"],
-                         help="ip, bassi, brezzi, ldg, nipg, iipg, h1 (default ip bassi brezzi ldg h1)")
+    compare.add_argument("--method", nargs="+", default=list(PAPER),
+                         help=f"{', '.join(METHODS)} (default {' '.join(PAPER)})")
     compare.add_argument("--order", type=Positive, help="polynomial degree of the displacement (default: the case's own)")
     compare.add_argument("--n", type=Positive, help="cells per side (default: the case's own)")
     compare.add_argument("--out", default="results", help="folder for comparison.png and comparison.txt (default results/)")
@@ -32,7 +33,6 @@ def Compare(options):
 
     What was computed is written also after Ctrl-C, the last iterate of the method at which it came included.
     """
-    from ..methods.rows import METHODS
     from ..plots import ComparisonFigure
 
     names = [Known(name, METHODS, what="method", choose="choose some of") for name in options.method]

@@ -6,6 +6,7 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 
+from ..methods.registry import METHODS, TakesForm
 from .arguments import Finite, NumberOrAuto, Positive
 from .files import Files
 from .signals import SIGNALS
@@ -88,8 +89,8 @@ def _AddSweep(commands):
 
 
 def _AddMethod(parser, forms=False):
-    parser.add_argument("--method", type=str.lower, default="all", help="ip, bassi, brezzi, ldg, nipg, iipg, h1, or all: "
-                        "the paper's four and h1 (default)")
+    parser.add_argument("--method", type=str.lower, default="all", help=f"{', '.join(METHODS)}, or all: the paper's "
+                        "four and h1 (default)")
     if forms:
         parser.add_argument("--form", type=str.lower, help="edge or lifting (default: both)")
         parser.add_argument("--penalty", default="auto", type=NumberOrAuto, help="of every discontinuous method, as for run")
@@ -156,7 +157,7 @@ def Accuracy(options):
     from ..plots import AccuracyFigure
     from ..studies import accuracy
 
-    methods = Variants(options.method, form=None if options.method == "h1" else "edge")
+    methods = Variants(options.method, form="edge" if TakesForm(options.method) else None)
     for cells in options.cells:
         UnitMesh(1, cells)
 

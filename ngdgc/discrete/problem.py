@@ -8,7 +8,7 @@ import numpy as np
 from ngsolve import GridFunction, Mesh, ds, dx
 
 from ..contact.boundary import ContactBoundary
-from ..contracts import Array, Inverse, Inverter, Method
+from ..contracts import Array, Inverse, Inverter, Method, Missing
 from ..data.coefficients import LOADBONUS, OnFacets, Unfolded
 from ..data.inside import OnBoundary
 from ..exceptions import ProblemError
@@ -52,8 +52,9 @@ class DiscreteProblem(LinearEquations):
         super().__init__()
         if not isinstance(problem, ContactProblem):
             raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
-        if isinstance(method, type) or not hasattr(method, "Form"):
-            raise ProblemError(f"method is {method!r}; give an object such as InteriorPenalty() or Conforming()")
+        if isinstance(method, type) or (missing := Missing(method, Method)):
+            lack = "" if isinstance(method, type) else f", which has no {', '.join(missing)}"
+            raise ProblemError(f"method is {method!r}{lack}; give an object such as InteriorPenalty() or Conforming()")
         if not Among(assembly, ("facet", "skeleton")):
             raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
         CheckInverter(inverse)
@@ -151,7 +152,7 @@ class DiscreteProblem(LinearEquations):
             if self.added.matrix is not None:
                 CheckSum(self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
             else:
-                CheckCoercivity(self.method, self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
+                CheckCoercivity(self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
         return matrix
 
     @Frozen
@@ -216,7 +217,7 @@ class DiscreteProblem(LinearEquations):
     def prescribed(self) -> Array:
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
         function = GridFunction(self.space)
-        if not self.method.discontinuous and self.problem.dirichlet:
+        if not self.method.weak and self.problem.dirichlet:
             values = {region: OnBoundary(value, self.mesh.Boundaries(region), f"dirichlet[{region!r}]")
                       for region, value in self.problem.dirichlet.items()}
             function.Set(self.mesh.BoundaryCF(values, default=(0,) * self.mesh.dim),

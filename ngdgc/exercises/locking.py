@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 
-from ..methods.rows import Conforming
+from ..methods.conforming import Conforming
 from ..studies import locking
 from .checker import Choice, Function, Value
 

@@ -46,7 +46,7 @@ def Chosen(disc, wanted):
     name = Named(inverter)
     if (symmetric or iterates) and not disc.symmetric:
         raise ProblemError(f"inverse={name!r} is for symmetric matrices, and this form is not; take inverse='auto'")
-    if iterates and not disc.method.discontinuous:
+    if iterates and not disc.method.iterative:
         raise ProblemError(f"inverse={name!r} is for discontinuous methods, and {disc.method.name} is continuous; take "
                            "inverse='auto'")
     if name == "pardisospd" and not HasPardiso():
@@ -59,7 +59,7 @@ def Best(disc):
     """The name of the Inverter for the matrix of a Discretization that costs least."""
     if not disc.symmetric:
         return "umfpack"
-    if disc.mesh.dim == 3 and disc.method.discontinuous and Iterated(disc):
+    if disc.mesh.dim == 3 and disc.method.iterative and Iterated(disc):
         return "iterative"
     return Direct()
 
@@ -71,5 +71,5 @@ def Direct():
 
 def Iterated(disc):
     """True if in 3D conjugate gradients and what they need take less time than a factorisation and its solves."""
-    swollen = NeedsSolenoidal(disc)
-    return (swollen or Swelling(disc) < SWOLLEN) and FactorMemory(disc) > (HUGE if swollen else LARGE)
+    swollen, swelling = NeedsSolenoidal(disc), Swelling(disc.problem.material, disc.mesh)
+    return (swollen or swelling < SWOLLEN) and FactorMemory(disc) > (HUGE if swollen else LARGE)

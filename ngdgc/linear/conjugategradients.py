@@ -93,7 +93,7 @@ class IterativeInverse:
 
     def __init__(self, disc: Any, matrix: Any, *, tol: float = TOL, maxiter: int = MAXITER,
                  preconditioner: PreconditionerMaker | None = None) -> None:
-        if not (disc.method.discontinuous and disc.symmetric):
+        if not (disc.method.iterative and disc.symmetric):
             raise ProblemError(f"conjugate gradients need a symmetric discontinuous method, {disc.method.name} is none; take "
                                "inverse='auto'")
         self.mesh, self.matrix, self.tol, self.maxiter = disc.mesh, matrix, tol, maxiter

@@ -27,7 +27,7 @@ class Factorisation:
     def __call__(self, matrix: Any, free: Any, disc: Any) -> Operator:
         """Raises ProblemError, before it is begun, for a factorisation that would not fit into the memory that is free."""
         CheckMemory(FactorMemory(disc) * (1 if self.symmetric else LU), f"the factors of {disc.space.ndof} unknowns",
-                    "inverse='iterative', " if disc.symmetric and disc.method.discontinuous else
+                    "inverse='iterative', " if disc.symmetric and disc.method.iterative else
                     "a discontinuous method with inverse='iterative', ")
         return Operator(Factorised(matrix, free, self.name, disc.mesh.dim), disc.mesh)
 

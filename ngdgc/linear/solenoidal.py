@@ -40,7 +40,7 @@ def NeedsSolenoidal(disc):
 
     NGSolve interpolates normally continuous functions on simplices only.
     """
-    return Swelling(disc) > SWOLLEN and Simplicial(disc.mesh)
+    return Swelling(disc.problem.material, disc.mesh) > SWOLLEN and Simplicial(disc.mesh)
 
 
 def Simplicial(mesh):
@@ -48,11 +48,10 @@ def Simplicial(mesh):
     return all(element.type in (ET.TRIG, ET.TET) for element in mesh.Elements(VOL))
 
 
-def Swelling(disc):
+def Swelling(material, mesh):
     """Largest ratio of volumetric to shear stiffness, (I : C : I)/d over 2 mu; 1 + d lam/(2 mu) for isotropic materials."""
-    dim, material = disc.mesh.dim, disc.problem.material
-    points = VolumePoints(disc.mesh, 0)
-    volumetric = np.einsum("niijj->n", StiffnessAt(material, points, dim)) / dim
+    points = VolumePoints(mesh, 0)
+    volumetric = np.einsum("niijj->n", StiffnessAt(material, points, mesh.dim)) / mesh.dim
     return float(np.max(volumetric / (2 * material.ShearAt(points))))
 
 

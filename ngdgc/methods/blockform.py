@@ -21,21 +21,30 @@ class FacetForm:
     """B_h of a method.
 
     operators : FacetOperators;  lifted : True for the lifting form;  globallift : True with (C r_0[u], r_0[v])
-    rule : the penalty of the jumps (`penalty` module), or None for eta sum_e (C r_e[u], r_e[v]);  theta : 1 if symmetric
-    bound : the form is coercive if it is below 1; infinite where no element-wise bound is known
+    rule : the penalty of the jumps (`penalty` module) or None;  eta : of eta sum_e (C r_e[u], r_e[v]), or None
+    theta : 1 if symmetric
+    guarantee : what is known of its coercivity
+    consistent : True with the terms -<[v],{C eps(u)}> and -theta <[u],{C eps(v)}>, and with {C eps(u)} in the flux
     """
 
-    def __init__(self, problem, space, operators, *, rule, eta, lifted, globallift, theta, bound):
+    consistent = True
+
+    def __init__(self, problem, space, operators, *, rule, eta, lifted, globallift, theta, guarantee):
         self.problem, self.space, self.operators, self.rule, self.eta = problem, space, operators, rule, eta
-        self.lifted, self.globallift, self.theta, self.bound = lifted, globallift, theta, bound
+        self.lifted, self.globallift, self.theta, self.guarantee = lifted, globallift, theta, guarantee
 
     def FacetMatrix(self, patch):
         """Sigma of a batch of facets, (n, r, r)."""
-        return self.rule.FacetMatrix(patch) if self.rule else self.eta * self.operators.LocalEnergy(patch)
+        if self.rule:
+            return self.rule.FacetMatrix(patch)
+        if self.eta is not None:
+            return self.eta * self.operators.LocalEnergy(patch)
+        size = self.operators.dim * self.operators.facetsizes[patch.facets[0]]
+        return np.zeros((len(patch.facets), size, size))
 
     def Matrix(self):
         """The matrix of B_h."""
-        return self._Assemble(consistency=True)
+        return self._Assemble(consistency=self.consistent)
 
     def Norm(self):
         """The matrix of g_h + Sigma(J u, J v) + (C r_0, r_0), against which coercivity is measured."""
@@ -165,7 +174,9 @@ class FacetForm:
         flux = -self._Penalised(jump, everywhere)
         for patch in operators.FacetPatches():
             dofs, local = operators.FacetDofs(patch.facets), vector[operators.Dofs(patch.elements)][..., None]
-            moments = (operators.Tractions(patch, self.lifted) @ local) + flux[dofs][..., None]
+            moments = flux[dofs][..., None]
+            if self.consistent:
+                moments = (operators.Tractions(patch, self.lifted) @ local) + moments
             flux[dofs] = operators.Apply(operators.inversemass(patch.sides[0]), moments)[..., 0]
         return flux
 

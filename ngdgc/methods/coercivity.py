@@ -73,32 +73,17 @@ def SmallestEigenvalue(matrix, norm, freedofs, held=None):
     return ExtremeEigenvalue(Symmetric(B), N, SparseInverse(N), "SA")
 
 
-def _Words(penalty):
-    return penalty if isinstance(penalty, str) else f"{penalty:g}"
-
-
-def _Remedy(method, bound):
-    """What to do about a lost coercivity."""
-    if np.isfinite(bound):
-        # The bound is inversely proportional to the penalty; one per cent more than needed survives the rounding.
-        return f"penalty={1.01 * method.penalty * bound:.3g} is safe, and so is penalty='auto'"
-    other = "lifting" if method.form == "edge" else "edge"
-    return (f"take form={other!r}, a larger liftorder or a larger penalty: the stress is not in the lifting space and no bound "
-            "known for this form")
-
-
-def CheckCoercivity(method, form, matrix, freedofs, held=None):
+def CheckCoercivity(form, matrix, freedofs, held=None):
     """Raise ProblemError if the bilinear form is not coercive.
 
-    If the largest element bound kappa_K (`penalty` module) is below 1 the form is coercive; only otherwise
-    lambda_min > 0 of `SmallestEigenvalue` decides.
+    Only where nothing guarantees that it is, lambda_min > 0 of `SmallestEigenvalue` decides.
     """
-    if form.bound < 1:
+    if form.guarantee.holds:
         return
     smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs, held)
     if smallest <= 1e-6:        # zero up to round-off in a spectrum of size 1
-        raise ProblemError(f"penalty={_Words(method.penalty)} loses coercivity on this mesh, order and material (smallest "
-                           f"eigenvalue {smallest:.3g} of the form against its energy norm); {_Remedy(method, form.bound)}")
+        raise ProblemError(f"{form.guarantee.culprit} loses coercivity on this mesh, order and material (smallest eigenvalue "
+                           f"{smallest:.3g} of the form against its energy norm); {form.guarantee.remedy}")
 
 
 def CheckSum(form, matrix, freedofs, held=None):

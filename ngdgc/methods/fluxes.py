@@ -28,7 +28,7 @@ def Flux(solution):
     2
     """
     disc = solution.disc
-    if not disc.method.discontinuous:
+    if not disc.method.conservative:
         raise ProblemError(f"method {disc.method.name} has no numerical flux; take a discontinuous one, or "
                            "solution.Traction(region), which every method has")
     form = disc.facetform

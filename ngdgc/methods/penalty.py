@@ -103,7 +103,7 @@ class ScalarPenalty:
         unit = facets.LargestNeighbour(shear) * _Scale(operators)
         needed = ElementBounds(operators, operators.share / unit, PlainBound).max(initial=0)
         self.value = MARGIN * needed if value == "auto" else value
-        self.bound = needed / self.value
+        self.kappa = needed / self.value
         self._facets, self._operators, self._weights = facets, operators, self.value * unit
 
     def FacetMatrix(self, patch):
@@ -134,7 +134,7 @@ class ElasticPenalty:
         self._onfacets = facets.measure if value == "auto" else value * _Scale(operators)
         needed = ElementBounds(operators, share / self._onfacets, ElasticBound)
         self._inelements = MARGIN * needed if value == "auto" else np.ones(operators.mesh.ne)
-        self.bound = 1 / MARGIN if value == "auto" else needed.max(initial=0)
+        self.kappa = 1 / MARGIN if value == "auto" else needed.max(initial=0)
 
     def FacetMatrix(self, patch):
         """<P(mu):[nu]>, (n, r, r)."""

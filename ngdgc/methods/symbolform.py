@@ -109,14 +109,16 @@ class SkeletonForm:
 
     parts : the sets of facets of E0, empty for H1 without rollers
     theta : factor of the second term, 1 for a symmetric form
-    bound : the form is coercive if it is below 1
+    guarantee : what is known of its coercivity
     """
 
-    def __init__(self, problem, space, parts, *, theta=1, bound=None):
+    consistent, lifted = True, False
+
+    def __init__(self, problem, space, parts, *, guarantee, theta=1):
         self.material, self.space, self.parts, self.theta = problem.material, space, parts, theta
         # NGSolve lowers the degree where derivatives of polynomials are integrated, which they are not on curved elements.
         self.volume = dx(bonus_intorder=problem.material.bonus + (2 if Curved(space.mesh) else 0))
-        self.bound = max((part.penalty.bound for part in parts), default=0) if bound is None else bound
+        self.guarantee = guarantee
 
     def Matrix(self):
         """The matrix of B_h."""
@@ -148,7 +150,8 @@ class SkeletonForm:
     def _AddPenalty(self, form):
         u, v = self.space.TnT()
         for part in self.parts:
-            form += part.Penalty(part.Jump(u)) * part.Jump(v) * part.measure
+            if part.penalty:
+                form += part.Penalty(part.Jump(u)) * part.Jump(v) * part.measure
 
     def Prescribed(self):
         """The load of weakly prescribed displacements, {region: (ndof,)}.

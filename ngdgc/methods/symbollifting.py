@@ -23,11 +23,11 @@ class LiftedSkeletonForm(SkeletonForm):
     """B_h with liftings, on the parts of a SkeletonForm.
 
     lifted : True for the lifting form;  globallift : True with (C r_0[u], r_0[v])
-    eta : factor of sum_e (C r_e[u], r_e[v]), or None for the jump penalty of the parts
+    eta : factor of sum_e (C r_e[u], r_e[v]), or None;  the parts have the penalty of the jumps, or None
     """
 
-    def __init__(self, problem, space, parts, facets, *, liftorder, lifted, globallift, eta, theta, bound):
-        super().__init__(problem, space, parts, theta=theta, bound=bound)
+    def __init__(self, problem, space, parts, facets, *, liftorder, lifted, globallift, eta, theta, guarantee):
+        super().__init__(problem, space, parts, theta=theta, guarantee=guarantee)
         self.facets, self.lifted, self.globallift, self.eta = facets, lifted, globallift, eta
         self.liftings = MatrixValued(L2(space.mesh, order=liftorder, dgjumps=True), symmetric=True)
 
@@ -60,7 +60,7 @@ class LiftedSkeletonForm(SkeletonForm):
                     load = load + self.theta * (self._R.T @ (self._inverse @ self._Sum(data)))
                 else:
                     load = load - self.theta * Coefficients(part.value * part.Mean(v) * part.measure)
-                if self.eta is None:
+                if part.penalty:
                     load = load + Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure)
                 loads[part.region] = load
         return loads
@@ -79,15 +79,11 @@ class LiftedSkeletonForm(SkeletonForm):
                 flux = flux - self._Sum(own).T @ (self._inverse @ (self._R @ vector))
             else:
                 flux = flux + Coefficients(part.Mean(gfu) * part.Jump(v) * part.measure)
-            if self.eta is None:
+            if part.penalty:
                 jump = part.Jump(gfu) if part.region is None else part.Jump(gfu) - part.value
                 flux = flux - Coefficients(part.Penalty(jump) * part.Jump(v) * part.measure)
             tested[part.region] = flux
         return tested
-
-    def _AddPenalty(self, form):
-        if self.eta is None:
-            super()._AddPenalty(form)
 
     @cached_property
     def _moments(self):

@@ -8,10 +8,9 @@ from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
 from ..tools.names import Meant
 from ..tools.values import Among
-from .rows import METHODS
+from .registry import METHODS, PAPER, Options
 
 FORMS = ("edge", "lifting")
-PAPER = ("ip", "bassi", "brezzi", "ldg", "h1")
 
 
 @ByKeyword
@@ -22,18 +21,18 @@ def Label(method: Any) -> str:
     >>> Label(LDG(form="lifting"))
     'LDG lifting'
     """
-    return f"{method.name} {method.form}" if method.discontinuous else method.name
+    return f"{method.name} {method.form}" if hasattr(method, "form") else method.name
 
 
 @ByKeyword
 def Variants(method: str = "all", *, form: str | None = None, penalty: Any = "auto") -> dict[str, Any]:
     """Methods by their names on the command line, {label: method}.
 
-    method : one of METHODS ("ip", "bassi", "brezzi", "ldg", "nipg", "iipg", "h1") or "all", those of the paper and "h1"
+    method : one of `registry.METHODS`, such as "ip", or "all", those of the paper and "h1"
     form : "edge" or "lifting", by default both
-    penalty : "auto", a number for every discontinuous method, or {name: penalty} with "auto" for those it does not name
+    penalty : "auto", a number for every method that has one, or {name: penalty} with "auto" for those it does not name
 
-    Raises ProblemError for an unknown method or form, and for form or penalty of H1 alone, which has none.
+    Raises ProblemError for an unknown method or form, and for form or penalty of a single method that has none.
 
     >>> list(Variants("ip"))
     ['IP edge', 'IP lifting']
@@ -42,12 +41,15 @@ def Variants(method: str = "all", *, form: str | None = None, penalty: Any = "au
         raise ProblemError(f"no method {method!r}; choose all or one of {', '.join(METHODS)}{Meant(str(method), METHODS)}")
     if not Among(form, (*FORMS, None)):
         raise ProblemError(f"form is {form!r}; choose edge or lifting, or give none for both")
+    options = set.union(*(Options(row) for row in METHODS.values())) if method == "all" else Options(METHODS[method])
     for name, value, default in (("form", form, None), ("penalty", penalty, "auto")):
-        if method == "h1" and not isinstance(value, dict) and not Among(value, (default,)):
-            raise ProblemError(f"{name} does not apply to method 'h1'; leave it out")
+        if name not in options and not isinstance(value, dict) and not Among(value, (default,)):
+            raise ProblemError(f"{name} does not apply to method {method!r}; leave it out")
     penalties = penalty if isinstance(penalty, dict) else dict.fromkeys(METHODS, penalty)
     chosen = []
     for name in PAPER if method == "all" else (method,):
         row, eta = METHODS[name], penalties.get(name, "auto")
-        chosen += [row(form=one, penalty=eta) for one in FORMS if form in (one, None)] if row.discontinuous else [row()]
+        given = {"penalty": eta} if "penalty" in Options(row) and not Among(eta, ("auto",)) else {}
+        chosen += ([row(form=one, **given) for one in FORMS if form in (one, None)] if "form" in Options(row)
+                   else [row(**given)])
     return {Label(one): one for one in chosen}

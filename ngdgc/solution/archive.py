@@ -15,7 +15,7 @@ from ..contracts import Inverter
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..linear.choice import INVERTERS
-from ..methods.rows import METHODS
+from ..methods.registry import METHODS
 from . import storage
 from .fingerprint import NAMES, SAME, Differs, Fingerprint
 from .history import Level, Step

@@ -16,8 +16,14 @@ from .tractions import FacetTractions, MeanDisplacement, NumericalTractions
 
 
 def Tractions(solution: Any) -> FacetTractions:
-    """`FacetTractions` of a solution of any method."""
-    return (NumericalTractions if solution.disc.method.discontinuous else ConformingTractions)(solution)
+    """`FacetTractions` of a solution of any method that has some."""
+    method = solution.disc.method
+    if method.conservative:
+        return NumericalTractions(solution)
+    if method.discontinuous:
+        raise ProblemError(f"method {method.name} has no numerical flux that balances its elements, and its forces are not "
+                           "known; take one that is conservative")
+    return ConformingTractions(solution)
 
 
 def Force(solution: Any, region: str, material: str | None = None) -> Array:

@@ -79,7 +79,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         "equilibrium_residual": solution.EquilibriumResidual(),
         "global_imbalance": solution.GlobalImbalance(),
     }
-    if disc.method.discontinuous:
+    if disc.method.conservative:
         summary["element_imbalance"] = float(np.abs(solution.ElementImbalance()).max())
     return summary
 

@@ -79,7 +79,7 @@ def Resultants(solution: Any) -> list[Resultant]:
 def _StrongReactions(solution: Any) -> Iterator[tuple[str, Array, Array]]:
     """(region, modes of the reaction, int C eps(u) n.v as coefficients), for regions with strongly imposed displacement."""
     disc = solution.disc
-    if disc.method.discontinuous or not disc.problem.dirichlet:
+    if disc.method.weak or not disc.problem.dirichlet:
         return
     quadrature, tractions = solution.facettractions.held
     facet, motion = disc.facets.boundary[0][quadrature.boundaryelements], GridFunction(disc.space)

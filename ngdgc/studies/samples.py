@@ -14,7 +14,9 @@ from ngsolve import CF, Mesh, cos, x, y, z
 from ..discretization import Discretization
 from ..exceptions import ProblemError
 from ..meshes import BOXCELLS, CELLS, UnitMesh
-from ..methods.rows import LDG, BassiEtAl, BrezziEtAl, Conforming, InteriorPenalty
+from ..methods.conforming import Conforming
+from ..methods.registry import Options
+from ..methods.rows import LDG, BassiEtAl, BrezziEtAl, InteriorPenalty
 from ..problem.foundation import Foundation
 from ..problem.laws import CoulombFriction, NormalCompliance, PowerFriction, SlipWeakeningFriction, TrescaFriction
 from ..problem.materials import HookeMaterial
@@ -95,7 +97,7 @@ def Draw(seed: int, number: int, *, dofs: float = 150_000) -> Sample:
     rng = np.random.default_rng([seed, number])
     dim = 2 if rng.random() < 0.75 else 3
     row: Any = ROWS[rng.integers(len(ROWS))]
-    method = row(form=str(rng.choice(["edge", "lifting"]))) if row.discontinuous else row()
+    method = row(form=str(rng.choice(["edge", "lifting"]))) if "form" in Options(row) else row()
     cells = str(rng.choice([*CELLS, "unstructured", "cad"] if dim == 2 else [*BOXCELLS, "delaunay"]))
     order, n = _Size(rng, dim, method, cells, dofs)
     nu, coefficient, stiffness = rng.uniform(0, 0.49), LogUniform(rng, 0.05, 1), LogUniform(rng, 1e-3, 1e9)

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from ngsolve import CF, Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
@@ -15,7 +14,9 @@ from ..discretization import Discretization
 from ..errors import Rates
 from ..exact import SmoothSlip
 from ..meshes import RectangleMesh
-from ..methods.rows import LDG, METHODS, BassiEtAl, InteriorPenalty
+from ..methods.guarantee import Guarantee
+from ..methods.registry import METHODS, Options
+from ..methods.rows import LDG, BassiEtAl, InteriorPenalty
 from ..problem.foundation import Foundation
 from ..problem.laws import NormalCompliance
 from ..problem.materials import HookeMaterial
@@ -25,7 +26,7 @@ from ..theory.lemmas import Boundedness, Coercivity, CriticalPenalty, LiftingBou
 from ..tools.calls import ByKeyword
 from ..tools.tables import Aligned, Piped
 
-ROWS = tuple(row for row in METHODS.values() if row.discontinuous)
+ROWS = tuple(row for row in METHODS.values() if {"form", "penalty"} <= Options(row))
 RATIOS = (0, 1, 4, 10, 100)
 ROUNDOFF = 1e-8     # of a critical penalty that is zero, an eigenvalue of matrices with entries of different size
 
@@ -35,13 +36,13 @@ ROUNDOFF = 1e-8     # of a critical penalty that is zero, an eigenvalue of matri
 class Constants:
     """The constants of one method on one mesh; no unit.
 
-    critical : penalty number above which the form is coercive (`CriticalPenalty`);  sufficient : the number that the element
-    bound asks for, 0 if any will do, infinite where no bound is known;  coercivity, boundedness : in |||.|||, penalty="auto"
+    critical : penalty number above which the form is coercive (`CriticalPenalty`);  sufficient : what is known for penalty 1,
+    whose kappa is the number that the element bound asks for;  coercivity, boundedness : in |||.|||, penalty="auto"
     """
 
     method: Any
     critical: float
-    sufficient: float
+    sufficient: Guarantee
     coercivity: float
     boundedness: float
 
@@ -71,7 +72,7 @@ def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "e
             callback(f"{row.name}, form={form!r}")
         disc = Discretization(problem, row(form=form), mesh, order=order)
         unit = Discretization(problem, row(form=form, penalty=1.0), mesh, order=order)
-        rows.append(Constants(disc.method, CriticalPenalty(problem, row, mesh, order=order, form=form), unit.form.bound,
+        rows.append(Constants(disc.method, CriticalPenalty(problem, row, mesh, order=order, form=form), unit.form.guarantee,
                               Coercivity(disc), Boundedness(disc)))
     title = f"order {order}, form={form!r}, {disc.mesh.ne} elements, {disc.space.ndof} unknowns"
     return Stability(rows, LiftingConstants(disc), title)
@@ -80,7 +81,7 @@ def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "e
 def _Cells(row: Constants) -> list[str]:
     """A row of the table as words: method, critical and sufficient penalty, coercivity, boundedness."""
     critical = "any" if row.critical <= ROUNDOFF else f"{row.critical:.3g}"
-    sufficient = {0: "any", np.inf: "unknown"}.get(row.sufficient, f"{row.sufficient:.3g}")
+    sufficient = {"always": "any", "unknown": "unknown"}.get(row.sufficient.kind) or f"{row.sufficient.kappa:.3g}"
     return [row.method.name, critical, sufficient, f"{row.coercivity:.3g}", f"{row.boundedness:.3g}"]
 
 

@@ -71,7 +71,9 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
         residual -= Coefficients(OnFacets(problem, "traction", region, mesh) * v * On(region))
     for foundation in problem.foundation:
         residual -= Coefficients((stress * n) * v * On(foundation.boundary))
-    if disc.method.discontinuous and disc.method.form == "lifting":
+    if not disc.form.consistent:
+        return residual
+    if disc.form.lifted:
         return residual + _LiftedConsistency(disc, stress)
     if disc.method.discontinuous:
         mean = 0.5 * (stress + problem.material.OtherStress(strain)) * n
@@ -85,8 +87,7 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
 
 def _LiftedConsistency(disc: Discretization, stress: Any) -> Array:
     """The coefficients of v -> (C eps(u), r_0([v])), for the liftings of the method."""
-    order = disc.order if disc.method.liftorder is None else disc.method.liftorder
-    lifting = Lifting(disc, order=order)
+    lifting = Lifting(disc, order=disc.facetform.operators.liftorder)
     operators, q = lifting.operators, lifting.space.TestFunction()
     projected = operators.inverseMQ @ Coefficients(InnerProduct(stress, q) * dx(bonus_intorder=EXTRA))
     return -(operators.J.T @ (operators.inverseMF @ (operators.N @ projected)))

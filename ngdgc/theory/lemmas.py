@@ -90,7 +90,7 @@ def Coercivity(disc: Discretization) -> float:
     """
     matrix, norm, inverse = _Pencil(disc)
     matrix = Symmetric(matrix)
-    if disc.form.bound < 1 or SmallestEigenvalue(disc.form.Matrix(), disc.form.Norm(), disc.space.FreeDofs()) > 0:
+    if disc.form.guarantee.holds or SmallestEigenvalue(disc.form.Matrix(), disc.form.Norm(), disc.space.FreeDofs()) > 0:
         # The smallest eigenvalue is one end of a long spectrum: of the inverse it is the largest, found in fewer steps.
         with Threads(disc.mesh):
             inverse = SparseInverse(matrix)
@@ -200,8 +200,8 @@ def CriticalPenalty(problem: ContactProblem, method: Any, mesh: Mesh, *, order: 
         method = method(**options)
     elif options:
         raise ProblemError(f"{', '.join(options)} given beside the object {method!r}; give a class with options, or an object")
-    if not getattr(method, "discontinuous", False):
-        raise ProblemError(f"method {method!r} has no penalty; give a discontinuous method")
+    if not hasattr(method, "penalty"):
+        raise ProblemError(f"method {method!r} has no penalty; give a discontinuous method with one")
     one, two = (Discretization(problem, replace(method, penalty=penalty), mesh, order=order) for penalty in (1.0, 2.0))
     _CheckHeld(one)
     with Threads(mesh):
@@ -214,9 +214,11 @@ def CriticalPenalty(problem: ContactProblem, method: Any, mesh: Mesh, *, order: 
 
 def _SafePenalty(disc: Discretization, matrix: Any, slope: Any) -> float:
     """A penalty with which B_h is coercive, from B_h for penalty 1 and its derivative."""
-    bound = disc.form.bound     # inversely proportional to the penalty; zero: coercive for any
-    if np.isfinite(bound):
-        return 2 * bound if bound > 0 else 1.0
+    guarantee = disc.form.guarantee
+    if guarantee.kind == "always":
+        return 1.0
+    if guarantee.kappa is not None:     # inversely proportional to the penalty; zero without facets in E0
+        return 2 * guarantee.kappa or 1.0
     norm = FreePart(disc.form.Norm(), disc.space.FreeDofs())
     for penalty in 4.0 ** np.arange(20):
         energy = norm + (penalty - 1) * slope

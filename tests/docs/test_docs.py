@@ -132,7 +132,7 @@ def test_notation_table_speaks_of_what_exists(names):
 
 
 def test_tables_of_methods_have_them_all():
-    from ngdgc.methods.rows import METHODS
+    from ngdgc.methods.registry import METHODS
 
     rows = {name: len(re.findall(rf"^\| `{method.__name__}` \|", PAGES["theory"], re.M)) for name, method in METHODS.items()}
     assert all(count >= 1 for count in rows.values())

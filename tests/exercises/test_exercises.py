@@ -12,7 +12,7 @@ import scipy.sparse as sp
 from ngsolve import x
 
 from ngdgc import CoulombFriction, HookeMaterial, NormalCompliance, ProblemError
-from ngdgc.methods import rows as methods
+from ngdgc.methods import registry as methods
 from ngdgc.studies import locking
 from ngdgc.exercises import EXERCISES, Check, fluxes, liftings
 from ngdgc.exercises.checker import Choice, Function, Law, Value

@@ -94,7 +94,7 @@ def test_automatic_penalty_keeps_its_promise(nu, order, stretch):
 def test_element_bound_is_safe_and_sharp():
     """Where the bound says coercive it is; and it is not far from the true threshold, 21.5 mu for P1 and lam/mu = 4."""
     problem, mesh = Example(), RectangleMesh(4)
-    bound = Discretization(problem, InteriorPenalty(penalty=30), mesh, order=1).form.bound
+    bound = Discretization(problem, InteriorPenalty(penalty=30), mesh, order=1).form.guarantee.kappa
     threshold = 30 * bound      # the bound is proportional to 1/penalty
     assert Spectrum(Discretization(problem, InteriorPenalty(penalty=1.001 * threshold), mesh, order=1)) > 0
     assert 21.5 < threshold < 1.5 * 21.5

@@ -3,9 +3,17 @@
 from bodies import LINE, RING, Crossed, Layers
 from mistakes import Disc
 
-from ngdgc import Solve
+from ngdgc import InteriorPenalty, Solve
+
+
+class Unbalanced(InteriorPenalty):
+    """Says of itself that its flux balances nothing."""
+
+    conservative = False
+
 
 FORCES = [
+    (lambda _: Solve(Disc(Unbalanced())).Force("top"), "method IP has no numerical flux | its forces are not known | take one"),
     (lambda _: Solve(Disc()).Force("buttom"),
      "boundary region 'buttom' matches no boundary | bottom, left, right, top | choose"),
     (lambda _: Solve(Disc()).Mean("(?i)TOP"), "boundary region is '(?i)TOP' | a regular expression | give a name"),

@@ -1,5 +1,7 @@
 """Mistakes in problems on a mesh, in their discretisations, methods and liftings, as in `mistakes`."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import scipy.sparse as sp
 from mistakes import HELD, SOFT, Disc, On
@@ -8,7 +10,7 @@ from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parame
 from problems import Example
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   Lifting, SemismoothNewtonSolver, Solve, UzawaSolver)
+                   Lifting, SemismoothNewtonSolver, Solve, UzawaSolver, WeaklyOverPenalised)
 from ngdgc.theory.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.blocks.matrix import BlockMatrix
@@ -130,6 +132,8 @@ PROBLEMS = [
     # Discretisations.
     (lambda _: Discretization("4.1", LDG(), RectangleMesh(1)), "problem is '4.1' | a ContactProblem | give"),
     (lambda _: Disc(InteriorPenalty), "method is <class | an object such as InteriorPenalty() or Conforming() | give"),
+    (lambda _: Disc(SimpleNamespace(name="own", Form=None)),
+     "which has no ScalarSpace, Space | such as InteriorPenalty() | give an object"),
     (lambda _: Disc(order=0), "order is 0 | an integer of at least 1 | must be"),
     (lambda _: Disc(order=9), "order is 9 | in 2D at most 8 | up to which methods are tested"),
     (lambda _: Lifted(7).form, "liftorder is 7 | in 3D it must be at most 6 | up to which forms are tested"),
@@ -182,6 +186,10 @@ PROBLEMS = [
     (lambda _: LDG(penalty=0), "penalty is 0 | 'auto' or a positive number | give"),
     (lambda _: LDG(weighting="E"), "weighting is 'E' | 'mu' or 'C' | choose"),
     (lambda _: BassiEtAl(weighting="mu"), "weighting='mu' does not apply to Bassi | r_e is weighted by C | leave it out"),
+    (lambda _: WeaklyOverPenalised(penalty="auto"), "penalty is 'auto' | a positive number | give"),
+    (lambda _: Disc(WeaklyOverPenalised(), order=2).form, "order is 2 | WOPSIP is of first order | take order=1"),
+    (lambda _: Disc(WeaklyOverPenalised(), assembly="skeleton").form,
+     "assembly='skeleton' does not apply to WOPSIP | no means on facets | take assembly='facet'"),
     (lambda _: LDG(form="weak"), "form is 'weak' | 'edge' or 'lifting' | choose"),
     (lambda _: BassiEtAl(singular=1), "singular is 1 | True or False | give"),
     (lambda _: LDG(liftorder=-1), "liftorder is -1 | an integer of at least 0 | must be"),

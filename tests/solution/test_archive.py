@@ -15,7 +15,7 @@ from netgen.csg import Sphere as Ball
 from netgen.geom2d import SplineGeometry
 from netgen.occ import Circle, OCCGeometry, Sphere
 from ngsolve import CF, BilinearForm, LinearForm, Mesh, Parameter, ds, dx
-from problems import EIGHT, Adjustable, Resting
+from problems import TEN, Adjustable, Resting
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, Solve,
@@ -121,7 +121,7 @@ def test_added_forms_are_given_again(method, tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", [*EIGHT, NonsymmetricInteriorPenalty(), InteriorPenalty(penalty=Fraction(61, 2)),
+@pytest.mark.parametrize("method", [*TEN, NonsymmetricInteriorPenalty(), InteriorPenalty(penalty=Fraction(61, 2)),
                                     BassiEtAl(liftorder=2), Conforming()], ids=repr)
 def test_method_assembly_and_inverse_are_kept(method, tmp_path):
     inverse = "auto" if isinstance(method, NonsymmetricInteriorPenalty) else "sparsecholesky"

@@ -7,7 +7,7 @@ from checks import Body
 from netgen.occ import Circle, MoveTo
 from ngsolve import (CF, BilinearForm, BoundaryFromVolumeCF, Discontinuous, Grad, InnerProduct, Integrate, Sym, ds, exp,
                      specialcf, x, y)
-from problems import EIGHT, Loaded, Solved
+from problems import TEN, Loaded, Solved
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NonsymmetricInteriorPenalty, NormalCompliance, SemismoothNewtonSolver, Solve)
@@ -23,7 +23,7 @@ NAMES = dict(ids=lambda method: method.name)
 
 @pytest.mark.slow
 @pytest.mark.parametrize("assembly", ["facet", "skeleton"])
-@pytest.mark.parametrize("method", [*EIGHT, NonsymmetricInteriorPenalty(), Conforming()], ids=lambda method: repr(method))
+@pytest.mark.parametrize("method", [*TEN, NonsymmetricInteriorPenalty(), Conforming()], ids=lambda method: repr(method))
 def test_forces_are_those_of_the_balance(method, assembly):
     """Region by region as `Resultants`, with contact as `weights` and `traction` have it; the plain integral is not."""
     mesh = RectangleMesh(4)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from checks import SameZones
-from problems import EIGHT
+from problems import TEN
 
 from ngdgc import (LDG, Conforming, CoulombFriction, Discretization, InteriorPenalty, NestedNewtonSolver, NormalCompliance,
                    SemismoothNewtonSolver)
@@ -16,14 +16,14 @@ from ngdgc.contact.graph import SEPARATION, SLIP, STICK
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.traces import ThreeZones
 
-NINE = [*EIGHT, Conforming()]
-NAMES = [method.name + getattr(method, "form", "") for method in NINE]
+ELEVEN = [*TEN, Conforming()]
+NAMES = [method.name + getattr(method, "form", "") for method in ELEVEN]
 THREE = [LDG(), InteriorPenalty(), Conforming()]
 SOLVERS = [SemismoothNewtonSolver(), NestedNewtonSolver()]
 ENDS = 0.27, 0.71       # of the zones of B3: no vertex of a uniform mesh
 
 
-@pytest.fixture(params=NINE, ids=NAMES)
+@pytest.fixture(params=ELEVEN, ids=NAMES)
 def every(request):
     return request.param
 

@@ -22,6 +22,7 @@ from ngdgc.mesh.facets import Csr, Native
 from ngdgc.mesh.quadrature import BoundaryQuadrature
 from ngdgc.theory.lemmas import Boundedness, Coercivity, DualNorm, LiftingConstants, NormMatrix
 from ngdgc.meshes import RectangleMesh
+from ngdgc.methods.guarantee import ALWAYS
 from ngdgc.methods.symbolform import Coefficients
 from ngdgc.studies.stability import ROWS
 
@@ -222,7 +223,7 @@ def test_unsymmetric_forms_are_judged_by_their_symmetric_part():
     operators = Lifting(disc).operators
     consistency = operators.J.T @ operators.inverseMF @ operators.S
     matrix = Native((Csr(disc.form.Norm()) - consistency + consistency.T).tocsr())
-    disc.form = SimpleNamespace(Matrix=lambda: matrix, Norm=disc.form.Norm, bound=0)
+    disc.form = SimpleNamespace(Matrix=lambda: matrix, Norm=disc.form.Norm, guarantee=ALWAYS)
     smallest, largest = Dense(disc)
     assert Coercivity(disc) == pytest.approx(smallest, rel=1e-3) and smallest > 0.1
     assert Boundedness(disc) == pytest.approx(largest, rel=1e-3)

@@ -19,7 +19,8 @@ from ...contracts import Array
 from ...discretization import Discretization
 from ...linear.conjugategradients import IterativeInverse
 from ...meshes import BOXCELLS, CELLS, UnitMesh
-from ...methods.rows import LDG, METHODS, InteriorPenalty
+from ...methods.registry import METHODS, Options
+from ...methods.rows import LDG, InteriorPenalty
 from ...problem.foundation import Foundation
 from ...problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction,
                              SlipWeakeningFriction, TrescaFriction)
@@ -106,7 +107,7 @@ class Setting:
     @cached_property
     def method(self) -> Any:
         row = self.Choose(*METHODS.values())
-        return row(form=self.Choose("edge", "lifting")) if row.discontinuous else row()
+        return row(form=self.Choose("edge", "lifting")) if "form" in Options(row) else row()
 
     @cached_property
     def disc(self) -> Discretization:

@@ -17,7 +17,7 @@ from .commands.files import Files
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from .methods.registry import METHODS, Named, Options
+from .methods.registry import METHODS, MethodWords, Options
 from .tools.names import Known, Meant
 
 EPILOG = """examples:
@@ -122,7 +122,7 @@ def _AddRun(commands):
     run = commands.add_parser("run", help="solve a case; write report, figures, HTML page and VTK",
                               description="Solve a case and write report, figures, an HTML page, a VTK file and the solution.")
     run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
-    run.add_argument("--method", default="ip", help=f"{Named()}; default ip")
+    run.add_argument("--method", default="ip", help=f"{MethodWords()}; default ip")
     run.add_argument("--form", type=str.lower, default="edge", help="edge or lifting form of a discontinuous method (default "
                      "edge)")
     run.add_argument("--penalty", default="auto", type=NumberOrAuto, help="auto, or a number: for ip and ldg as in the "

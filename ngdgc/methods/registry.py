@@ -28,6 +28,6 @@ def TakesForm(name: str) -> bool:
     return name not in METHODS or "form" in Options(METHODS[name])
 
 
-def Named() -> str:
+def MethodWords() -> str:
     """The names with what they stand for, for help texts."""
     return ", ".join(f"{name} ({row.__name__})" for name, row in METHODS.items())

@@ -138,14 +138,17 @@ class Method(Protocol):
 
 
 def Missing(given: Any, contract: type) -> list[str]:
-    """Members of a contract that an object has not."""
-    return [name for name in dir(contract) if not name.startswith("_") and not hasattr(given, name)]
+    """Members of a contract that an object has not, sorted; what a class computes when it is asked for is not computed."""
+    asked = {name for name in (*dir(contract), *contract.__annotations__) if not name.startswith("_")} - set(dir(given))
+    return [name for name in sorted(asked) if not hasattr(given, name)]
 
 
 class Solver(Protocol):
-    """A solver of the `solvers` package."""
+    """A solver: as those of the `solvers` package, given wherever there is an argument solver=."""
 
-    def Solve(self, disc: Any, *, callback: Any = None) -> Any: ...
+    def Solve(self, disc: Any, *, callback: Any = None) -> Any:
+        """The ContactSolution of a Discretization, or NotConvergedError; callback gets every `solution.history.Step`."""
+        ...
 
 
 class Inverse(Protocol):
@@ -195,6 +198,60 @@ class PreconditionerMaker(Protocol):
     """What is given as preconditioner=: makes a `Preconditioner` of a matrix, its free dofs and the Discretization."""
 
     def __call__(self, matrix: Any, free: Any, disc: Any, /) -> Preconditioner: ...
+
+
+class LinearProblem(Protocol):
+    """A u = f - T' W t as Newton's method sees it: a `DiscreteProblem` or a `solvers.newton.subspace.Subspace`.
+
+    matrix : NGSolve's A;  load : f (ndof,);  prescribed : function with the strongly prescribed values (ndof,), or 0
+    contact : Gamma_C with T and its adjoint T' W;  shift : displacement there that is not in the space (n, d), or 0
+    motions : (m, ndof), rigid motions that A does not resist;  unresisted : words for them, or None;  resultant : of f (d,)
+    inverse : A^-1;  solves, cycles, factorisation : what inverses have cost
+    """
+
+    matrix: Any
+    mesh: Any
+    problem: Any
+    order: int
+    load: Any
+    prescribed: Any
+    contact: Any
+    shift: Any
+    motions: Any
+    unresisted: Any
+    resultant: Any
+    inverse: Any
+    solves: int
+    cycles: int
+    factorisation: float
+
+    def Multiply(self, vector: Array) -> Array: ...
+
+    def Factorise(self, matrix: Any) -> Inverse: ...
+
+    def ApplyInverse(self, inverse: Inverse, load: Array) -> Array: ...
+
+    def Iterate(self, inverse: InexactInverse, load: Array, *, tol: float, start: Array) -> Array: ...
+
+
+class SpaceNumbering(Protocol):
+    """How `blocks`, `linear` and `contact` number the dofs of V_h: by components, each as its scalar space does.
+
+    Of an element GetDofNrs gives those of the first component in the order of the scalar space, then those of the others,
+    shifted by the ndof of the scalar space each; ndof is d times that.  `conformance.CheckSpaceNumbering` compares.
+    """
+
+    @property
+    def ndof(self) -> int: ...
+
+    @property
+    def mesh(self) -> Any: ...
+
+    def GetDofNrs(self, element: Any, /) -> Any: ...
+
+    def Elements(self, vb: Any, /) -> Any: ...
+
+    def FreeDofs(self) -> Any: ...
 
 
 Datum = float | Coefficient                     # of a law, a material or a boundary condition

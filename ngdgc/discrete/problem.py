@@ -23,7 +23,7 @@ from ..methods.symbolform import Coefficients
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
 from ..tools.memory import CheckAssembly
-from ..tools.names import Named
+from ..tools.names import NameOf
 from ..tools.values import Among, Order
 from .added import AddedForms
 from .checks import CheckData, CheckMesh, CheckRegions
@@ -242,7 +242,7 @@ class DiscreteProblem(LinearEquations):
     @property
     def inversekind(self) -> str:
         """The name of what solves the linear equations."""
-        return Named(self.inverter)
+        return NameOf(self.inverter)
 
     @property
     def iterates(self) -> bool:

@@ -11,7 +11,7 @@ Each name stands for an Inverter of the package (`contracts`); any other one may
 
 from ..exceptions import ProblemError
 from ..tools.kinds import Short
-from ..tools.names import Named
+from ..tools.names import NameOf
 from ..tools.values import Among
 from .conjugategradients import ConjugateGradients
 from .factorisations import FactorMemory, Factorisation, HasPardiso
@@ -43,7 +43,7 @@ def Chosen(disc, wanted):
         return INVERTERS[Best(disc)]
     inverter = INVERTERS[wanted] if isinstance(wanted, str) else wanted
     symmetric, iterates = (getattr(inverter, name, False) for name in ("symmetric", "iterates"))
-    name = Named(inverter)
+    name = NameOf(inverter)
     if (symmetric or iterates) and not disc.symmetric:
         raise ProblemError(f"inverse={name!r} is for symmetric matrices, and this form is not; take inverse='auto'")
     if iterates and not disc.method.iterative:

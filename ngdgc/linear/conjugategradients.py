@@ -17,7 +17,7 @@ from ..contracts import Array, PreconditionerMaker
 from ..exceptions import ProblemError
 from ..mesh.facets import Threads
 from ..tools.calls import ByKeyword
-from ..tools.names import Named
+from ..tools.names import NameOf
 from .multigrid import VCycle
 
 TOL = 1e-8
@@ -50,7 +50,7 @@ class ConjugateGradients:
 
     @property
     def name(self) -> str:
-        return "iterative" if self.preconditioner is None else f"iterative with {Named(self.preconditioner)}"
+        return "iterative" if self.preconditioner is None else f"iterative with {NameOf(self.preconditioner)}"
 
     def __call__(self, matrix: Any, free: Any, disc: Any) -> IterativeInverse:
         return IterativeInverse(disc, matrix, tol=LIKEFACTORS, preconditioner=self.preconditioner)
@@ -100,7 +100,7 @@ class IterativeInverse:
         self.iterations, self.solves, self.residual = 0, 0, 0.0
         # Not in NGSolve's threads, which those of LAPACK would disturb.
         self.preconditioner = (preconditioner or VCycle)(matrix, disc.space.FreeDofs(), disc)
-        self.own = preconditioner and Named(preconditioner)
+        self.own = preconditioner and NameOf(preconditioner)
         self._b, self._x, self._r, self._z, self._p, self._q = (matrix.CreateColVector() for _ in range(6))
         self._diagonal = sp.csr_matrix(matrix.CSR(), shape=matrix.shape).diagonal()
 

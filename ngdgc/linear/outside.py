@@ -11,7 +11,7 @@ from ..contracts import Array, Inverter
 from ..exceptions import ProblemError
 from ..mesh.facets import Free, Threads
 from ..tools.kinds import Short
-from ..tools.names import Named
+from ..tools.names import NameOf
 
 ACCURATE = 1e-10    # residual of one solution relative to its load, at most
 ROUNDOFF = 1e3 * np.finfo(float).eps    # the same relative to |diag(A) x|, what pivots let grow
@@ -25,7 +25,7 @@ def Made(inverter: Inverter, matrix: Any, disc: Any) -> Any:
     free = disc.space.FreeDofs()
     if type(inverter).__module__.startswith(f"{__package__}."):
         return inverter(matrix, free, disc)
-    name, iterates = Named(inverter), bool(getattr(inverter, "iterates", False))
+    name, iterates = NameOf(inverter), bool(getattr(inverter, "iterates", False))
     try:
         inverse = inverter(matrix, free, disc)
     except ProblemError:

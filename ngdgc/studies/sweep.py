@@ -72,8 +72,10 @@ def Run(number: int, sample: Sample, *, solver: Solver | None = None, fromzero: 
         return Record(**known, dofs=disc.space.ndof, seconds=perf_counter() - start, error=f"{type(error).__name__}: {error}")
     seconds, lengths = perf_counter() - start, np.array(list(solution.ZoneLengths().values()))
     return Record(**known, dofs=disc.space.ndof, zones=tuple((lengths / lengths.sum()).tolist()),
-                  violation=float(Violation(solution).max()), steps=tuple(level.iterations for level in solution.levels),
-                  solves=tuple(level.solves for level in solution.levels), seconds=seconds,
+                  violation=float(Violation(solution).max()),
+                  # Of a solver that has no coarser meshes all is on one.
+                  steps=tuple(level.iterations for level in solution.levels) or (len(solution.history),),
+                  solves=tuple(level.solves for level in solution.levels) or (disc.solves,), seconds=seconds,
                   fromzero=_Steps(fromzero, disc) if fromzero and sample.n <= FROMREST else None)
 
 

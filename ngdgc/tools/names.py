@@ -35,11 +35,11 @@ def Known(name: str, known: Iterable[str], *, what: str, choose: str = "choose o
     raise ProblemError(f"no {what} {name!r}; {choose} {', '.join(known)}{Meant(name, known)}")
 
 
-def Named(thing: Any) -> str:
+def NameOf(thing: Any) -> str:
     """The name of an object: its own, that of a function or class, or that of its class.
 
-    >>> Named(Named), Named(3)
-    ('Named', 'int')
+    >>> NameOf(NameOf), NameOf(3)
+    ('NameOf', 'int')
     """
     name = getattr(thing, "name", None)
     return name if isinstance(name, str) else getattr(thing, "__name__", type(thing).__name__)

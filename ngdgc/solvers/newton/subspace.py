@@ -70,7 +70,8 @@ class Subspace(LinearEquations):
     @cached_property
     def motions(self):
         """Coefficients (m, unknowns) of the rigid motions that A does not resist: all of them are in X_h."""
-        return np.array([lsqr(self.prolongation, motion, atol=EXACT, btol=EXACT)[0] for motion in self.disc.motions])
+        found = [lsqr(self.prolongation, motion, atol=EXACT, btol=EXACT)[0] for motion in self.disc.motions]
+        return np.array(found).reshape(-1, self.matrix.height)
 
     def Whole(self, vector):
         """The coefficients of u_0 + P x in V_h, from x."""

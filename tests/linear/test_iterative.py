@@ -11,7 +11,7 @@ from ngsolve import CF, L2, GridFunction, IfPos, Mesh, x, y, z
 
 from ngdgc import LDG, BassiEtAl, BrezziEtAl, Conforming, InteriorPenalty, NonsymmetricInteriorPenalty, ProblemError
 from ngdgc.linear import multigrid as cycles
-from ngdgc.contact.response import ContactResponse
+from ngdgc.discrete.response import ContactResponse
 from ngdgc.mesh.facets import Csr, Native
 from ngdgc.linear.conjugategradients import IterativeInverse
 from ngdgc.linear.factorisations import DirectMemory

@@ -6,15 +6,15 @@ from scipy.linalg import eigh
 
 from ngdgc import (LDG, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance,
                    NotConvergedError, SemismoothNewtonSolver)
-from ngdgc.solvers.newton import subspace
-from ngdgc.studies.atlas.solvers import Point
-from ngdgc.contact.response import ContactResponse
+from ngdgc.contact.stiffness import BodyStiffness
+from ngdgc.discrete.response import ContactResponse
 from ngdgc.mesh.facets import Csr
 from ngdgc.meshes import BoxMesh
-from ngdgc.studies.samples import Draw
+from ngdgc.solvers.newton import subspace
 from ngdgc.solvers.newton import correction
-from ngdgc.contact.stiffness import BodyStiffness
 from ngdgc.solvers.newton.subspace import Prolongation, Subspace
+from ngdgc.studies.atlas.solvers import Point
+from ngdgc.studies.samples import Draw
 
 
 def Box(n=4, *, method=None, order=1, stiffness=1.0, inverse="iterative", coefficient=0.3):

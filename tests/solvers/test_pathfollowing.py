@@ -7,10 +7,10 @@ from ngsolve.meshes import MakeStructured2DMesh
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, NormalCompliance,
                    NotConvergedError, SemismoothNewtonSolver, Solve)
-from ngdgc.contact.response import ContactResponse
-from ngdgc.solvers.newton.run import NewtonRun
-from ngdgc.solvers.newton.pathfollowing import Path
 from ngdgc.contact.stiffness import BodyStiffness
+from ngdgc.discrete.response import ContactResponse
+from ngdgc.solvers.newton.pathfollowing import Path
+from ngdgc.solvers.newton.run import NewtonRun
 
 
 def Strip():

@@ -13,7 +13,7 @@ tenth or less of what there was, so that as few steps of conjugate gradients are
 
 from dataclasses import replace
 
-from ...contact.response import ContactResponse
+from ...discrete.response import ContactResponse
 from ..driver import LawResidual
 from .record import SMALL
 from .run import NewtonRun

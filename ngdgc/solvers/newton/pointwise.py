@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...contact.response import Apply
+from ...discrete.response import Apply
 
 
 class PointwiseEquation:

@@ -11,7 +11,7 @@ one application of the inverse tells how much of that holds with S_D; the produc
 
 import numpy as np
 
-from ...contact.response import Apply
+from ...discrete.response import Apply
 from ...tools.parallel import Batched
 
 NEW = 1e-10         # part of a vector that must be left after orthogonalisation

@@ -7,8 +7,8 @@ from itertools import islice
 from typing import Any
 
 from ...contact.equilibrium import Equilibrium
-from ...contact.response import ContactResponse
 from ...contracts import Array
+from ...discrete.response import ContactResponse
 from .continuation import RaiseLoad
 from .diagnosis import Diagnose
 from .pathfollowing import Path

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...contact.equilibrium import Equilibrium
 from ...contact.graph import GraphPoint, Scales
-from ...contact.response import Apply, ContactResponse
 from ...contracts import Array
+from ...discrete.response import Apply, ContactResponse
 from .pointwise import PointwiseEquation
 from .recycling import Recycled
 from .setting import Setting

@@ -10,7 +10,7 @@ from problems import Example
 
 from ngdgc import (LDG, AnisotropicMaterial, Conforming, ContactProblem, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError)
-from ngdgc.contact.response import Apply, ContactResponse
+from ngdgc.discrete.response import Apply, ContactResponse
 from ngdgc.exact import WinklerColumn
 from ngdgc.meshes import BoxMesh, RectangleMesh
 

@@ -14,10 +14,10 @@ from copy import copy
 import numpy as np
 import scipy.sparse as sp
 
+from ..contact.equilibrium import Equilibrium
 from ..exceptions import ProblemError
 from ..linear.motions import Deflation
 from ..mesh.facets import Csr, Native, Threads
-from .equilibrium import Equilibrium
 
 
 class ContactResponse:

@@ -1,7 +1,8 @@
 """How the tests are run: on how many processes, in which order, and which of them are slow.
 
-A test that takes more than a second of CPU time, all its cases together, is marked `slow`; `pytest -m "not slow"` runs the
-others.  The times are added up at the end of each run, and those that should be marked are named.
+A test that takes more than a second of CPU time, all its cases and the fixtures that it needs together, is marked `slow`;
+`pytest -m "not slow"` runs the others.  The times are added up at the end of each run, and those that should be marked are
+named.
 """
 
 import os

@@ -124,6 +124,7 @@ def test_everything_installed_can_be_imported_where_no_source_is(scripts, tmp_pa
     assert all(Path(place).is_relative_to(scripts.parent) for place in done.stdout.splitlines())
 
 
+@pytest.mark.slow
 def test_installed_command_runs_an_installed_case(scripts, tmp_path):
     done = Run(scripts / "ngdgc", "cases", cwd=tmp_path)
     assert {line.split()[0] for line in done.stdout.splitlines()} == {path.stem for path in (ROOT / "cases").glob("*.py")}
@@ -134,6 +135,7 @@ def test_installed_command_runs_an_installed_case(scripts, tmp_path):
     assert Run(scripts / "ngdgc", "run", "example_4_9", cwd=tmp_path).returncode == 2
 
 
+@pytest.mark.slow
 def test_source_archive_has_what_its_tests_and_documentation_need(archives, tmp_path):
     with tarfile.open(archives / f"{NAME}.tar.gz") as archive:
         names = {name.removeprefix(f"{NAME}/") for name in archive.getnames()}
@@ -150,6 +152,7 @@ def test_source_archive_has_what_its_tests_and_documentation_need(archives, tmp_
     assert "1 failed" in Run(script, "-q", "-n", "0", *tests, cwd=tmp_path / NAME).stdout
 
 
+@pytest.mark.slow
 def test_version_is_the_same_wherever_it_is_asked(scripts, wheel, tmp_path):
     asked = "from importlib.metadata import version; import ngdgc; print(version('ngdgc'), ngdgc.__version__)"
     assert Run(scripts / "python", "-c", asked, cwd=tmp_path).stdout.split() == [ngdgc.__version__] * 2
@@ -159,6 +162,7 @@ def test_version_is_the_same_wherever_it_is_asked(scripts, wheel, tmp_path):
             if f'"{ngdgc.__version__}"' in path.read_text()] == [ROOT / "ngdgc" / "__init__.py"]
 
 
+@pytest.mark.slow
 def test_metadata_says_what_a_user_must_know(wheel):
     with ZipFile(wheel) as archive:
         names = archive.namelist()

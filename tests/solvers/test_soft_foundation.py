@@ -42,6 +42,7 @@ def test_pressed_plate_sinks_evenly(method):
     assert costs[1] <= 3 * costs[0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("loads", "force"), [(BENT, 20), (LIFTED, 100)])
 def test_beam_and_lifting_footing_cost_the_same(loads, force):
     costs = []
@@ -57,6 +58,7 @@ def Steps(k):
     return len(SemismoothNewtonSolver().Solve(Steel(k, **LIFTED)).history)
 
 
+@pytest.mark.slow
 def test_slip_counts_on_any_foundation(monkeypatch):
     """The footing sinks by up to 1e8 of what it slips, and 22 points lift off: 3 to 5 steps of Newton's method, always."""
     assert max(Steps(k) for k in (50, 0.5, 5e-3, 5e-4, 5e-5, 5e-6)) <= 6
@@ -74,6 +76,7 @@ def Slab(k, inverse="auto"):
     return Discretization(problem, InteriorPenalty(), mesh, order=1, inverse=inverse)
 
 
+@pytest.mark.slow
 def test_forces_balance_where_the_inverse_is_an_iteration(monkeypatch):
     """To 1e-11; where motions are not known to be rigid, to the round-off of A times a displacement of 1e5 only, 3e-8."""
     for k in (0.05, 5e-6):
@@ -83,6 +86,7 @@ def test_forces_balance_where_the_inverse_is_an_iteration(monkeypatch):
         assert SemismoothNewtonSolver().Solve(Slab(5e-6, "iterative")).normalforce == pytest.approx(45000, rel=2e-9)
 
 
+@pytest.mark.slow
 def test_footing_in_3d_costs_the_same(monkeypatch):
     """About 50 products each; twice as many where stick is as stiff in the matrix as that of a body that is held."""
     costs = []
@@ -95,6 +99,7 @@ def test_footing_in_3d_costs_the_same(monkeypatch):
     assert Cost(Solve(Slab(0.05))) > 1.5 * max(costs)
 
 
+@pytest.mark.slow
 def test_stiffness_of_the_body_would_not_hold_it(monkeypatch):
     """dt/dq of at least 1/100 of the body's own stiffness, with it in the matrix: steps of a thousandth of what is needed."""
     assert len(SemismoothNewtonSolver().Solve(Steel(5e-4, **PRESSED)).history) <= 2

@@ -53,6 +53,7 @@ def test_the_driver_stops_at_the_first_iterate_that_is_good_enough(window):
         assert history[-1].number == next(number for number, one in enumerate(residuals) if one <= tol)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size, symmetric", [(0, True), (1e-10, False), (1e-6, False), (1e-3, False), (1e-2, False)])
 def test_a_form_is_symmetric_to_round_off_or_not_at_all(size, symmetric):
     """A convection of this size beside a spring; of a matrix taken for symmetric only one half would be read."""
@@ -123,6 +124,7 @@ def Halves(cells):
     return MakeStructured3DMesh(hexes=cells == "hex", nx=2, ny=1, nz=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells, et", [("triangle", TRIG), ("quad", QUAD), ("tet", TET), ("hex", HEX)])
 @pytest.mark.parametrize("order", [1, 2])
 @pytest.mark.parametrize("slope", [99, -99])

@@ -24,6 +24,7 @@ def Softened(case, stiffness, plane="strain"):
     return replace(problem, foundation=replace(problem.foundation[0], compliance=NormalCompliance(stiffness)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", METHODS, ids=["ip-auto", "ip-30", "h1"])
 @pytest.mark.parametrize("name", CASES)
 def test_converges_below_its_limit_and_fails_recognised_above(name, method):
@@ -157,6 +158,7 @@ def test_too_large_rho_is_named_with_a_remedy_that_works():
     assert UzawaSolver(rho=0.8 * limit).Solve(disc).converged
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mu, stiffness, push, method, order, n", [
     (0.3, 1000, 1e-3, Conforming(), 1, 8), (0.3, 500, 0, Conforming(), 1, 8), (0.1, 500, 0, Conforming(), 2, 4),
     (0.1, 1000, 0, Conforming(), 2, 4), (0.3, 1000, 1e-3, InteriorPenalty(), 1, 8)])
@@ -223,6 +225,7 @@ def test_automatic_rho_leaves_room_for_the_normal_part():
         UzawaSolver(tol=1e-8, rho=0.9 / unit.friction / bound ** 2).Solve(disc)
 
 
+@pytest.mark.slow
 def test_small_rho_does_not_stop_early():
     """u hardly moves while lambda crawls: the law residual keeps the iteration going until it is true."""
     exact = AffinePatch("slip", bound=1.0)

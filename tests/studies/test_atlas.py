@@ -37,6 +37,7 @@ def soft():
     return Rows(replace(STIFF, stiffness=0.1))
 
 
+@pytest.mark.slow
 def test_beyond_its_limit_uzawa_fails_and_the_others_do_not(stiff, soft):
     for label, row in stiff.items():
         assert row.converged == (label not in EXPLICIT), label
@@ -45,6 +46,7 @@ def test_beyond_its_limit_uzawa_fails_and_the_others_do_not(stiff, soft):
     assert all(row.converged for row in soft.values())          # the control: below the limit nobody fails
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("point", [STIFF, replace(STIFF, stiffness=0.1), Point(n=4, coefficient=0.1),
                                    Point(problem="box", n=1), Point(problem="4.2", stiffness=None, n=4, method="LDG lifting")],
                          ids=["stiff", "soft", "block", "box", "own"])
@@ -61,6 +63,7 @@ def test_agreement_control_another_coefficient_is_another_solution():
     assert Run(Point(n=4, coefficient=0.31), "Newton", solver, references).difference > 1e-3
 
 
+@pytest.mark.slow
 def test_steps_of_newton_do_not_grow_with_the_stiffness():
     """k_n/E from 1 to 1e9: at most three times as many, where the plain implicit iteration needs more than ten times."""
     soft, rigid = (replace(STIFF, stiffness=value) for value in (1.0, 1e9))
@@ -72,6 +75,7 @@ def test_steps_of_newton_do_not_grow_with_the_stiffness():
     assert not after["implicit"].converged and "too slowly" in after["implicit"].reason
 
 
+@pytest.mark.slow
 def test_every_run_pays_for_itself():
     """Applications and factorisations of a run do not depend on the runs before; those of coarser meshes are listed apart."""
     point = Point(n=32, stiffness=100.0)
@@ -153,6 +157,7 @@ def Read(path):
         return list(csv.DictReader(file))
 
 
+@pytest.mark.slow
 def test_quick_atlas_writes_table_page_figures_and_file(quick):
     rows, page = Read(quick / "atlas.csv"), (quick / "docs" / "page.md").read_text()
     text = (quick / "atlas.txt").read_text()

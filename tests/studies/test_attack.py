@@ -21,6 +21,7 @@ from ngdgc.studies.attack.targets import VALID, Parameters, Public, Setting
 COUNT = 100     # about ten seconds; the command makes 2000
 
 
+@pytest.mark.slow
 def test_no_exception_but_ours():
     """And at least 30 % of the calls end with a solution: an attack that only knocks at the door proves little."""
     records = [Attempt(3, number) for number in range(COUNT)]
@@ -29,6 +30,7 @@ def test_no_exception_but_ours():
     assert sum(record.outcome == "problem" for record in records) >= 0.15 * COUNT
 
 
+@pytest.mark.slow
 def test_what_should_not_come_is_found(monkeypatch):
     """Control: a check that is taken away shows within one turn, with the place and the number that makes it again."""
     monkeypatch.setattr(calls, "_Cause", lambda *_: None)
@@ -40,6 +42,7 @@ def test_what_should_not_come_is_found(monkeypatch):
     assert f"FAULT {faults[0].number}: " in Tally(records)
 
 
+@pytest.mark.slow
 def test_every_turn_calls_every_public_name():
     names = Public()
     assert len(names) > 200 and {"Discretization", "ContactSolution.Force", "RectangleMesh", "L2Error"} <= set(names)
@@ -71,6 +74,7 @@ def Made(seed, number):
     return Record(number, "name", "words", "value")
 
 
+@pytest.mark.slow
 def test_a_process_that_ends_or_hangs_is_noticed():
     file = io.StringIO()
     records = Attack(1, range(4), file, limit=8, Make=Made)
@@ -80,6 +84,7 @@ def test_a_process_that_ends_or_hangs_is_noticed():
     assert not set(("ended", "hung")) & set(ENDS)
 
 
+@pytest.mark.slow
 def test_the_command_leaves_records_and_a_tally(tmp_path, capsys):
     assert ExitCode(f"attack --count 4 --seed 3 --first 10 --out {tmp_path}") in (0, 1)     # of four few may be solved
     lines = (tmp_path / "attack.jsonl").read_text().splitlines()

@@ -14,6 +14,7 @@ from ngdgc.studies.stability import Study
 from ngdgc.studies.stability import Text as StabilityText
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method, assembly", [(LDG(form="lifting"), "facet"), (InteriorPenalty(), "skeleton"),
                                               (Conforming(), "facet")], ids=lambda value: getattr(value, "name", value))
 def test_measurement_is_of_the_matrix_it_names(method, assembly):
@@ -28,12 +29,14 @@ def test_measurement_is_of_the_matrix_it_names(method, assembly):
     assert f"{row.ratio:.2f}" in line and str(row.entries) in line and len(header) == len(line)
 
 
+@pytest.mark.slow
 def test_bench_command_prints_a_row_a_method(capsys):
     assert Main("bench assembly --method ip ldg --n 4 --repeat 1 --form lifting".split()) == 0
     lines = capsys.readouterr().out.splitlines()
     assert [line.split()[:3] for line in lines[1:]] == [["IP", "lifting", "192"], ["LDG", "lifting", "192"]]
 
 
+@pytest.mark.slow
 def test_cost_is_that_of_the_solution_it_names():
     cost = bench.Measure(Point(problem="4.1", n=16), repeat=2)
     disc = Point(problem="4.1", n=16).Discretization()
@@ -52,6 +55,7 @@ def test_a_swollen_box_is_the_box_of_another_material():
     assert (swollen.material.nu, swollen.material.E) == (0.499, box.material.E) != (box.material.nu, box.material.E)
 
 
+@pytest.mark.slow
 def test_cost_of_an_iteration_counts_its_steps():
     cost = bench.Measure(Point(problem="box", n=3), repeat=1, inverse="iterative")
     disc = Discretization(Point(problem="box", n=3).contactproblem, InteriorPenalty(), Point(problem="box", n=3).Mesh(),
@@ -81,6 +85,7 @@ def test_page_has_every_number_and_growth_only_of_sizes():
     assert "sizes: time grows as unknowns^1.50" in page and "one: time grows" not in page and "* GetFEM: skipped" in page
 
 
+@pytest.mark.slow
 def test_bench_command_writes_table_figure_and_page(tmp_path, capsys):
     """With an interpreter that has no peer, which is said and harms nothing."""
     assert Main(["bench", "--quick", "--repeat", "1", "--only", "its own data", "--out", str(tmp_path), "--page",
@@ -102,6 +107,7 @@ def test_a_peer_that_is_missing_is_skipped_with_a_line(tmp_path):
     assert bench.Peer("getfem", 4, python=str(broken)) == {"dofs": 3, "seconds": 2.0}
 
 
+@pytest.mark.slow
 def test_stability_command_prints_the_study_of_a_case(capsys):
     assert Main("stability example_4_2 --n 4 --order 2".split()) == 0
     assert capsys.readouterr().out.strip() == StabilityText(Study(example_4_2.Problem(), example_4_2.Mesh(4), order=2)).strip()

@@ -34,6 +34,7 @@ def test_variants_are_four_methods_in_two_forms_and_h1():
     assert mixed["IP edge"].penalty == 30 and mixed["LDG edge"].penalty == "auto"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [LDG(form="lifting"), BassiEtAl(), Conforming()], ids=["ldg-lifting", "bassi", "h1"])
 @pytest.mark.parametrize("order", [1, 2])
 def test_study_finds_the_full_orders(method, order):
@@ -93,6 +94,7 @@ def test_convergence_figure_shows_every_series_and_the_slopes():
     assert len(looks) == 9
 
 
+@pytest.mark.slow
 def test_no_discontinuous_method_locks():
     """lam/mu from 1/2 to 5e5: the error stays, for every method of order 2."""
     for method in Variants(form="edge").values():
@@ -101,6 +103,7 @@ def test_no_discontinuous_method_locks():
             assert np.all((sweep.errors > sweep.errors[0] / 2) & (sweep.errors < 2 * sweep.errors[0])), sweep.label
 
 
+@pytest.mark.slow
 def test_locking_control_conforming_elements_of_order_one_lock():
     """They lose the factor, and refining the mesh does not help any more; it halves the error of interior penalty."""
     def Last(method, n):
@@ -111,6 +114,7 @@ def test_locking_control_conforming_elements_of_order_one_lock():
     assert Last(InteriorPenalty(), 16) == pytest.approx(Last(InteriorPenalty(), 8) / 2, rel=0.1)
 
 
+@pytest.mark.slow
 def test_locking_in_three_dimensions():
     """Hexahedra: two values of lam on one mesh of the cube, conforming elements against LDG."""
     assert locking.Study(LDG(), n=2, lam=(1, 1e6), cells="hex").factor < 2
@@ -159,6 +163,7 @@ def test_accuracy_study_refines_until_the_budget_is_spent():
         accuracy.Study(SmoothSlip(), InteriorPenalty(), budget=0)
 
 
+@pytest.mark.slow
 def test_accuracy_command_writes_table_figures_and_page(tmp_path, capsys):
     page = tmp_path / "docs" / "accuracy.md"
     arguments = f"accuracy --method h1 --order 1 2 --cells triangle --budget 0.01 --out {tmp_path} --page {page}"
@@ -169,6 +174,7 @@ def test_accuracy_command_writes_table_figures_and_page(tmp_path, capsys):
         assert picture.stat().st_size > 10_000
 
 
+@pytest.mark.slow
 def test_convergence_command_prints_what_the_study_finds(tmp_path, capsys):
     arguments = "convergence --method ldg --form lifting --penalty 2 --order 1 --n 1 2 --cells triangle hex --out".split()
     assert Main([*arguments, str(tmp_path)]) == 0
@@ -181,6 +187,7 @@ def test_convergence_command_prints_what_the_study_finds(tmp_path, capsys):
     assert {path.name for path in tmp_path.iterdir()} == {"convergence.txt", "convergence_triangle.png", "convergence_hex.png"}
 
 
+@pytest.mark.slow
 def test_locking_command_prints_what_the_study_finds(tmp_path, capsys):
     assert Main(["locking", *"--method h1 --order 1 2 --n 4 --lam 1 1e4 --out".split(), str(tmp_path)]) == 0
     sweeps = [locking.Study(Conforming(), order=order, n=4, lam=(1, 1e4)) for order in (1, 2)]

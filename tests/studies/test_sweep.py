@@ -32,6 +32,7 @@ def swept():
     return records, file.getvalue()
 
 
+@pytest.mark.slow
 def test_default_solver_solves_random_problems(swept):
     records, _ = swept
     assert len(records) == COUNT
@@ -50,6 +51,7 @@ def test_default_solver_solves_random_problems(swept):
     assert stiffness.min() < 1e-2 and stiffness.max() > 1e7 and coefficient.min() < 0.1 and coefficient.max() > 0.5
 
 
+@pytest.mark.slow
 def test_records_are_written_and_tallied(swept):
     records, text = swept
     assert [json.loads(line)["number"] for line in text.splitlines()] == list(range(COUNT))
@@ -74,6 +76,7 @@ def Numbers(count, Good):
     return list(islice((number for number in range(200) if Good(Draw(SEED, number, dofs=DOFS))), count))
 
 
+@pytest.mark.slow
 def test_a_number_is_always_the_same_problem(swept):
     records, _ = swept
     again = Run(7, Draw(SEED, 7, dofs=DOFS))
@@ -82,6 +85,7 @@ def test_a_number_is_always_the_same_problem(swept):
     assert Draw(SEED + 1, 7, dofs=DOFS).words != records[7].words
 
 
+@pytest.mark.slow
 def test_control_a_perturbed_traction_violates_the_law():
     """By 1e-6: friction along itself where a point slips, pressure where the foundation is soft."""
     for number in Numbers(2, lambda sample: sample.kind == "coulomb" and "2D" in sample.words and 0.1 < sample.stiffness < 100):
@@ -106,6 +110,7 @@ def test_control_a_stiff_law_is_checked_by_its_penetration():
     assert Violation(ContactSolution(other, solution.vector, solution.traction)).max() > 10 * SHARP
 
 
+@pytest.mark.slow
 def test_control_half_the_friction_is_another_solution():
     """Where stick and slip meet the coefficient matters: displacements on Gamma_C move by more than a thousandth."""
     for number in Numbers(3, lambda sample: sample.kind == "coulomb" and sample.coefficient > 0.3 and sample.n < 12):
@@ -120,6 +125,7 @@ def test_control_half_the_friction_is_another_solution():
 DENSE = Numbers(6, lambda sample: sample.kind != "weakening" and sample.n <= 10)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", DENSE)
 def test_a_dense_newton_method_finds_the_same(number):
     """Displacement and the part of the traction that the body feels, to 1e-7; the law holds to 1e-10 in both."""
@@ -131,6 +137,7 @@ def test_a_dense_newton_method_finds_the_same(number):
     assert Scale(ours - theirs) <= 1e-7 * Scale(theirs), sample.words
 
 
+@pytest.mark.slow
 def test_grid_holds_every_combination_once():
     words = [sample.words for _, sample in Grid()]
     assert len(set(words)) == len(words) == 240 and [number for number, _ in Grid()] == list(range(240))
@@ -142,6 +149,7 @@ def test_grid_holds_every_combination_once():
         Grid(["sphere"])
 
 
+@pytest.mark.slow
 def test_default_solver_solves_the_grid():
     """Every sixth problem at h = 1/8: all are solved, at most 15 steps from rest, and the block has three zones."""
     for number, sample in Grid():
@@ -152,6 +160,7 @@ def test_default_solver_solves_the_grid():
             assert record.threezones or sample.coefficient < 0.3 or not sample.words.startswith("block"), sample.words
 
 
+@pytest.mark.slow
 def test_sweep_command_prints_seed_and_tally(tmp_path, capsys):
     assert Main([*"sweep --count 3 --seed 5 --dofs 2000 --out".split(), str(tmp_path)]) == 0
     output = capsys.readouterr().out
@@ -161,6 +170,7 @@ def test_sweep_command_prints_seed_and_tally(tmp_path, capsys):
     assert {path.name for path in tmp_path.iterdir()} == {"sweep.jsonl", "sweep.txt", "sweep.png"}
 
 
+@pytest.mark.slow
 def test_interrupted_sweep_leaves_what_was_computed(tmp_path, capsys, monkeypatch):
     def Interrupted(seed, number, *, dofs):
         if number == 2:
@@ -190,6 +200,7 @@ def test_a_mistake_is_one_line_and_exit_code_2(arguments, culprit, tmp_path, cap
     assert ExitCode(arguments) == 2 and culprit in capsys.readouterr().err.splitlines()[-1]
 
 
+@pytest.mark.slow
 def test_bodies_have_the_sides_of_the_unit_meshes():
     assert set(BodyMesh(3, "delaunay").GetBoundaries()) == {"back", "front", "left", "right", "bottom", "top"}
     for cells in ("unstructured", "cad"):

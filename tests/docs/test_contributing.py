@@ -61,6 +61,14 @@ def test_files_and_tests_of_the_page_exist():
     assert list(Lost("`methods/row.py`, `tests/methods/test_methods.py::test_patch`")) == ["methods/row.py", "test_patch"]
 
 
+def test_larger_changes_touch_at_most_five_files():
+    table = Section("How to add").split("### On paper\n")[1].splitlines()
+    rows = [line.split("|") for line in table if line.startswith("| ")][1:]
+    files = {what.strip(): re.findall(r"`(ngdgc/[\w/.]+)`", touched) for _, what, touched, *_ in rows}
+    assert {"HDG", "friction with memory", "a new element shape", "assembly on several processes"} <= set(files)
+    assert max(map(len, files.values())) <= 5 and sum(map(len, files.values())) > 15
+
+
 def test_every_formula_is_in_a_module_that_says_so():
     rows = [line for line in Section("Where a formula of the paper is").splitlines() if line.startswith("| ")][1:]
     assert len(rows) > 15 and all(list(Named(row)) for row in rows)

@@ -69,6 +69,16 @@ def test_snippets_are_python():
         Parse(cells[1] + "\n)")
 
 
+@pytest.mark.slow
+def test_examples_of_the_contracts_run():
+    """One after the other, as they stand; with an inverse that solves twice of what it should they do not."""
+    script = "\n".join(re.findall(r"```python\n(.*?)```", PAGES["contracts"], re.S))
+    exec(compile(script, "contracts.md", "exec"), {})
+    wrong = script.replace("= self.factors.solve(", "= 2 * self.factors.solve(")
+    with pytest.raises(ngdgc.ProblemError, match=r"inverse=SuperLU: .*\|A x - b\|"):
+        exec(compile(wrong, "contracts.md", "exec"), {})
+
+
 def Unlisted(page):
     """Public names that the reference leaves out."""
     listed = {name for _, name in TOOLS["apidoc"].Names(page)}

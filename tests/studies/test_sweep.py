@@ -160,6 +160,18 @@ def test_default_solver_solves_the_grid():
             assert record.threezones or sample.coefficient < 0.3 or not sample.words.startswith("block"), sample.words
 
 
+def test_any_solver_is_recorded():
+    """One of a user's own as well, that has no coarser meshes: its steps are those of its history."""
+    class Own:
+        def Solve(self, disc, *, callback=None):
+            return SemismoothNewtonSolver().Solve(disc, callback=callback)
+
+    ((_, sample),) = Samples(SEED, 1, dofs=DOFS)
+    own, nested = Run(0, sample, solver=Own()), Run(0, sample)
+    assert len(own.steps) == len(own.solves) == 1 and own.steps[0] > 0 and own.solves[0] > 0
+    assert nested.steps and own.dofs == nested.dofs and Tally([own]).count("finest") == Tally([nested]).count("finest")
+
+
 @pytest.mark.slow
 def test_sweep_command_prints_seed_and_tally(tmp_path, capsys):
     assert Main([*"sweep --count 3 --seed 5 --dofs 2000 --out".split(), str(tmp_path)]) == 0

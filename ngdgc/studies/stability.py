@@ -15,6 +15,8 @@ from ..errors import Rates
 from ..exact import SmoothSlip
 from ..meshes import RectangleMesh
 from ..methods.guarantee import Guarantee
+from ..methods.overpenalised import WeaklyOverPenalised
+from ..methods.penaltyfree import PenaltyFreeLDG
 from ..methods.registry import METHODS, Options
 from ..methods.rows import LDG, BassiEtAl, InteriorPenalty
 from ..problem.foundation import Foundation
@@ -26,7 +28,7 @@ from ..theory.lemmas import Boundedness, Coercivity, CriticalPenalty, LiftingBou
 from ..tools.calls import ByKeyword
 from ..tools.tables import Aligned, Piped
 
-ROWS = tuple(row for row in METHODS.values() if {"form", "penalty"} <= Options(row))
+ROWS = tuple(row for row in METHODS.values() if "form" in Options(row))
 RATIOS = (0, 1, 4, 10, 100)
 ROUNDOFF = 1e-8     # of a critical penalty that is zero, an eigenvalue of matrices with entries of different size
 
@@ -36,12 +38,13 @@ ROUNDOFF = 1e-8     # of a critical penalty that is zero, an eigenvalue of matri
 class Constants:
     """The constants of one method on one mesh; no unit.
 
-    critical : penalty number above which the form is coercive (`CriticalPenalty`);  sufficient : what is known for penalty 1,
-    whose kappa is the number that the element bound asks for;  coercivity, boundedness : in |||.|||, penalty="auto"
+    critical : penalty number above which the form is coercive (`CriticalPenalty`), None without a penalty
+    sufficient : what is known for penalty 1, whose kappa is the number that the element bound asks for
+    coercivity, boundedness : in |||.|||, penalty="auto"
     """
 
     method: Any
-    critical: float
+    critical: float | None
     sufficient: Guarantee
     coercivity: float
     boundedness: float
@@ -70,19 +73,24 @@ def Study(problem: ContactProblem, mesh: Mesh, *, order: int = 1, form: str = "e
     for row in ROWS:
         if callback:
             callback(f"{row.name}, form={form!r}")
-        disc = Discretization(problem, row(form=form), mesh, order=order)
-        unit = Discretization(problem, row(form=form, penalty=1.0), mesh, order=order)
-        rows.append(Constants(disc.method, CriticalPenalty(problem, row, mesh, order=order, form=form), unit.form.guarantee,
-                              Coercivity(disc), Boundedness(disc)))
+        disc = unit = Discretization(problem, row(form=form), mesh, order=order)
+        critical = None
+        if "penalty" in Options(row):
+            unit = Discretization(problem, row(form=form, penalty=1.0), mesh, order=order)
+            critical = CriticalPenalty(problem, row, mesh, order=order, form=form)
+        rows.append(Constants(disc.method, critical, unit.form.guarantee, Coercivity(disc), Boundedness(disc)))
     title = f"order {order}, form={form!r}, {disc.mesh.ne} elements, {disc.space.ndof} unknowns"
     return Stability(rows, LiftingConstants(disc), title)
 
 
 def _Cells(row: Constants) -> list[str]:
     """A row of the table as words: method, critical and sufficient penalty, coercivity, boundedness."""
+    constants = [f"{row.coercivity:.3g}", f"{row.boundedness:.3g}"]
+    if row.critical is None:
+        return [row.method.name, "has none", "has none", *constants]
     critical = "any" if row.critical <= ROUNDOFF else f"{row.critical:.3g}"
     sufficient = {"always": "any", "unknown": "unknown"}.get(row.sufficient.kind) or f"{row.sufficient.kappa:.3g}"
-    return [row.method.name, critical, sufficient, f"{row.coercivity:.3g}", f"{row.boundedness:.3g}"]
+    return [row.method.name, critical, sufficient, *constants]
 
 
 HEAD = ["method", "critical penalty", "by element bound", "coercivity", "boundedness"]
@@ -167,8 +175,20 @@ def _Bassi() -> Iterator[list[str]]:
         yield [name, str(facets), *(f"{value:.3f}" for value in values)]
 
 
+def _PenaltyFree() -> Iterator[list[str]]:
+    """LDG without a penalty, and with next to none and liftings of degree k and k + 1, by lam/mu."""
+    for order in (1, 2):
+        for ratio in (1, 100, 10000):
+            discs = [Discretization(_Problem(2, ratio), method, RectangleMesh(n), order=order)
+                     for method in (PenaltyFreeLDG(), *(LDG(penalty=1e-8, liftorder=order + more) for more in (1, 0)))
+                     for n in (4, 8)]
+            kappa, degree = discs[0].form.guarantee.kappa, discs[0].form.operators.liftorder
+            c = [f"{Coercivity(disc):.3g}" for disc in discs]
+            yield [str(order), str(ratio), f"{degree}, {kappa:.3f}", *(", ".join(c[i:i + 2]) for i in (0, 2, 4))]
+
+
 def _Uniform() -> Iterator[list[str]]:
-    for row in ROWS:
+    for row in (*ROWS, WeaklyOverPenalised):
         discs = [Discretization(_Problem(2), row(), RectangleMesh(n), order=1) for n in (4, 8, 16)]
         yield [row.name, *(f"{Coercivity(disc):.3f}, {Boundedness(disc):.1f}" for disc in discs)]
 
@@ -177,7 +197,7 @@ def _Uniform() -> Iterator[list[str]]:
 def StabilityPage() -> str:
     """The documentation page, Markdown."""
     study = Study(example_4_1.Problem("strain"), example_4_1.Mesh(8), order=1)
-    skewed = MakeStructured2DMesh(quads=True, nx=4, ny=4, mapping=lambda s, t: (s + 0.4 * t * (1 - t), t * (1 - 0.8 * s)))
+    skewed = MakeStructured2DMesh(quads=True, nx=4, ny=4, mapping=lambda s, t: (s + 0.2 * t * (1 - t), t * (1 - 0.7 * s)))
     forms = [Study(_Problem(2), skewed, order=1, form=form) for form in ("edge", "lifting")]
     return "\n".join([
         "# Stability: the lemmas, computed", "",
@@ -202,7 +222,12 @@ def StabilityPage() -> str:
         "facet is not lifted.", "",
         *_Table(["k", "l", "n = 4", "n = 8", "n = 4, stretched by 10"], _Liftings()),
         "## Lemmas 3.3 and 3.4, coercivity and boundedness on refined meshes", "",
-        "c, C with `penalty=\"auto\"`, P1.", "", *_Table(["method", "n = 4", "n = 8", "n = 16"], _Uniform()),
+        "c, C with `penalty=\"auto\"`, P1.  WOPSIP is not bounded in this norm, its C grows like h^-2.", "",
+        *_Table(["method", "n = 4", "n = 8", "n = 16"], _Uniform()),
+        "## LDG without a penalty", "",
+        "c on n = 4, 8 of `PenaltyFreeLDG` with its degree l and largest kappa_K, and of LDG with penalty 1e-8 and liftings of",
+        "degree k + 1 and k: l = k is not enough, k + 1 is if lam is moderate; `PenaltyFreeLDG` takes k + 2 if it is large.",
+        "", *_Table(["k", "lam/mu", "l, kappa_K", "without a penalty", "l = k + 1", "l = k"], _PenaltyFree()),
         "## How large eta must be for interior penalty", "",
         "Critical eta/mu, n = 4, h_e = |e|, and in parentheses eta/(lam + 2 mu).", "",
         *_Table(["lam/mu", "k = 1", "k = 2"], _Thresholds()),

@@ -77,7 +77,7 @@ def test_a_case_has_its_own_order_and_says_what_it_should_give(quick, tmp_path, 
 @pytest.mark.parametrize("arguments, culprit", [
     (["run", "exmaple_4_1"], "no case 'exmaple_4_1': neither a file nor one of breaking_beam, curved_body, example_4_1"),
     (["run", "cases/missing.py"], "no case 'cases/missing.py'"), (["run", "elsewhere/example_4_1.py"], "no case 'elsewhere"),
-    (["run", CASE, "--method", "ipp"], "no method 'ipp'; choose one of ip, bassi, brezzi, ldg, nipg, iipg, h1"),
+    (["run", CASE, "--method", "ipp"], "no method 'ipp'; choose one of ip, bassi, brezzi, ldg, ldg0, nipg, iipg, wopsip, h1"),
     (["run", CASE, "--n", "many"], "'many' is not a positive integer"),
     (["run", CASE, "--n", "0"], "'0' is not a positive integer"),
     (["run", CASE, "--order", "-1"], "'-1' is not a positive integer"),

@@ -94,10 +94,10 @@ def Box(cells, stretch):
 @pytest.mark.parametrize("cells, order", [("triangle", 1), ("triangle", 8), ("quad", 1), ("quad", 8), ("tet", 1), ("tet", 3),
                                           ("hex", 1), ("hex", 2)])
 def test_automatic_penalty_keeps_its_margin(cells, order, nu, stretch, monkeypatch):
-    """B_h >= (1 - 1/sqrt(MARGIN)) (g_h + penalty) for every method; a tenth of the penalty loses coercivity."""
+    """B_h >= (1 - 1/sqrt(MARGIN)) (g_h + penalty) for every method with one; a tenth of the penalty loses coercivity."""
     mesh = Box(cells, stretch)
     problem = Held(mesh.dim, E=1000, nu=nu)
-    rows = ROWS if order == 1 else (InteriorPenalty,)
+    rows = [row for row in ROWS if hasattr(row, "penalty")] if order == 1 else [InteriorPenalty]
     for row in rows:
         assert Spectrum(Discretization(problem, row(), mesh, order=order)) > 1 - MARGIN ** -0.5 - 1e-6
     monkeypatch.setattr(penalty, "MARGIN", MARGIN / 10)
@@ -145,7 +145,8 @@ def test_study_holds_the_constants_of_every_method():
     study = Study(Held(), RectangleMesh(3), order=2, callback=seen.append)
     assert [row.method.name for row in study.rows] == [row.name for row in ROWS] and len(seen) == len(ROWS)
     for row in study.rows:
-        assert row.critical <= (0 if row.sufficient.kind == "always" else row.sufficient.kappa)
+        if row.critical is not None:
+            assert row.critical <= (0 if row.sufficient.kind == "always" else row.sufficient.kappa)
         assert 0 < row.coercivity < 1 < row.boundedness
     text = Text(study)
     assert all(name in text for name in HEAD) and "any" in text and f"{study.liftings.C:.3g}" in text

@@ -19,7 +19,7 @@ class SourceArchive(sdist):
 
     def make_distribution(self):
         ignored = (ROOT / ".gitignore").read_text().replace("/", "").split()
-        for part in ("tests", "docs", ".ci", ".gitignore", ".pytest.ini", ".ruff.toml"):
+        for part in ("tests", "docs", ".ci", ".gitignore", ".mypy.ini", ".pytest.ini", ".ruff.toml"):
             for path in [ROOT / part, *(ROOT / part).rglob("*")]:
                 name = path.relative_to(ROOT)
                 if path.is_file() and not any(fnmatch(piece, pattern) for piece in name.parts for pattern in ignored):

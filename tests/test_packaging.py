@@ -140,7 +140,8 @@ def test_source_archive_has_what_its_tests_and_documentation_need(archives, tmp_
     with tarfile.open(archives / f"{NAME}.tar.gz") as archive:
         names = {name.removeprefix(f"{NAME}/") for name in archive.getnames()}
         archive.extractall(tmp_path)
-    assert Files("ngdgc", "cases", "tests", ".ci", "setup.py", "README.md", "LICENSE", ".ruff.toml", ".pytest.ini") <= names
+    settings = ".ruff.toml", ".pytest.ini", ".mypy.ini"
+    assert Files("ngdgc", "cases", "tests", ".ci", "setup.py", "README.md", "LICENSE", *settings) <= names
     assert {name for name in Files("docs") if "_build" not in name} <= names
     assert not [name for name in names if "_build" in name or name.endswith(".pyc") or "moved" in name]
     # Its tests run, those too that read pages and commands, as README.md says: against the installed package.

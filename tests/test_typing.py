@@ -107,7 +107,7 @@ def test_the_package_is_consistent_with_its_own_hints(tmp_path):
 
 
 STRICT = ("contracts", "exceptions", "meshes", "exact", "traces", "errors", "export", "discretization", "problem", "theory",
-          "solution", "plots", "studies.convergence", "studies.table3")
+          "solution", "plots", "solvers.driver", "studies.convergence", "studies.table3")
 
 
 def Strict(module, sections):

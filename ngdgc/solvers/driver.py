@@ -1,12 +1,19 @@
 """The driver stops, records and raises; a solver is only its iteration."""
 
+from __future__ import annotations
+
 import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from typing import Any
 
 import numpy as np
 
-from ..contact.boundary import Scale
+from ..contact.boundary import ContactBoundary, Scale
+from ..contact.equilibrium import Equilibrium
 from ..contact.graph import CheckEnds, Distance, Scales
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from ..linear.equations import CheckDiscretization
 from ..solution.history import Step
@@ -20,13 +27,13 @@ ROUNDOFF = 1e-9     # changes below this that do not shrink are round-off: highe
 BLOWUP = 1e6        # growth of the displacement over two windows that no convergent iteration shows
 
 
-def LawResidual(contact, iterate):
+def LawResidual(contact: ContactBoundary, iterate: Equilibrium) -> float:
     """Distance of displacement and traction to the graph of the contact law (`graph.Distance`), the largest over all points."""
     return float(Distance(contact, iterate.displacement, iterate.traction).distance.max(initial=0))
 
 
 @contextmanager
-def Current(disc):
+def Current(disc: Any) -> Iterator[DiscreteProblem]:
     """The Discretization with the data of now, for a solver alone; ProblemError if they change while it works."""
     CheckDiscretization(disc)
     with disc.lock:
@@ -35,20 +42,22 @@ def Current(disc):
         current.state.CheckFixed()
 
 
-def CheckLimits(solver):
+def CheckLimits(solver: Any) -> None:
     """The solver's tol and maxiter as a float and an integer; ProblemError if they are none."""
     for name, value in (("tol", PositiveNumber(solver.tol, "tol", "give a number between 0 and 1", below=1)),
                         ("maxiter", Integer(solver.maxiter, "maxiter", "give a positive integer"))):
         object.__setattr__(solver, name, value)
 
 
-def CheckCallback(callback):
+def CheckCallback(callback: Any) -> None:
     """Raise ProblemError unless a callback can be called, or is None."""
     if callback is not None and not callable(callback):
         raise ProblemError(f"callback is {callback!r}; give a function of a Step, such as print, or None")
 
 
-def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WINDOW, rest=0.0):
+def Drive(solver: Any, disc: DiscreteProblem, iterates: Iterable[Equilibrium], callback: Callable[[Step], object] | None,
+          Diagnose: Callable[[str], tuple[str, Any]], *, Predict: Callable[[], float | None] | None = None,
+          window: int | None = WINDOW, rest: float = 0.0) -> ContactSolution:
     """Run an iteration to its tolerance and return the ContactSolution.
 
     `iterates` yields `Equilibrium`s, the first of them the start, and ends if the iteration gives up by itself.
@@ -61,10 +70,12 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
     contraction factor of the iteration at its last iterate, unless it cycles; the solution calls it when it is asked for.
     """
     CheckCallback(callback)
-    history, positions, start = [], [], time.perf_counter()
-    iterate = None
+    history: list[Step] = []
+    positions: list[Array] = []
+    iterate: Any = None
+    start = time.perf_counter()
 
-    def Solution(converged, contracts):
+    def Solution(converged: bool, contracts: bool) -> ContactSolution:
         return ContactSolution(disc, iterate.vector, iterate.traction, history=history, converged=converged,
                                solver=repr(solver), Predict=Predict if contracts else None)
 
@@ -96,7 +107,7 @@ def Drive(solver, disc, iterates, callback, Diagnose, *, Predict=None, window=WI
         raise SolveInterrupted(Solution(False, False)) from interrupt
 
 
-def _CheckEquilibrium(solution, Failed):
+def _CheckEquilibrium(solution: ContactSolution, Failed: Callable[..., ContactSolution]) -> None:
     """Raise NotConvergedError unless the displacement is in equilibrium with loads and tractions, as the iteration believes."""
     residual = solution.EquilibriumResidual()
     # Written so that a NaN is caught as well.
@@ -108,7 +119,8 @@ def _CheckEquilibrium(solution, Failed):
             "elements", Failed(False, False))
 
 
-def _Verdict(solver, history, positions, gap, window, rest):
+def _Verdict(solver: Any, history: Sequence[Step], positions: Sequence[Array], gap: float, window: int | None,
+             rest: float) -> str | None:
     """None to go on, "converged", or the reason to give up.
 
     `gap` is a length by which a foundation may move the body, whatever its loads.
@@ -130,7 +142,7 @@ def _Verdict(solver, history, positions, gap, window, rest):
     return "slow" if last.number >= solver.maxiter else None
 
 
-def _Progresses(history, window):
+def _Progresses(history: Sequence[Step], window: int) -> bool:
     """False if over the last window neither the change nor the law residual fell below its best value before.
 
     The best and not the latest: a point that turns from stick to slip lifts the change of a convergent iteration for a while.
@@ -142,15 +154,15 @@ def _Progresses(history, window):
                for name in ("change", "residual"))
 
 
-def _GoesSomewhere(positions):
+def _GoesSomewhere(positions: Sequence[Array]) -> bool:
     """False for a path that turns back: a slow monotone iteration also changes by nearly constant amounts, but goes on."""
     steps = [b - a for a, b in zip(positions[:-1], positions[1:])]
     lengths = [np.linalg.norm(step) for step in steps]
     turns = [np.vdot(a, b) for a, b in zip(steps[:-1], steps[1:])]
-    return sum(turn < 0 for turn in turns) < len(turns) / 2 and np.linalg.norm(sum(steps)) > 0.5 * sum(lengths)
+    return bool(sum(turn < 0 for turn in turns) < len(turns) / 2 and np.linalg.norm(sum(steps)) > 0.5 * sum(lengths))
 
 
-def _Last(history):
+def _Last(history: Sequence[Step]) -> str:
     if not history:
         return "before its first iteration"
     last = history[-1]

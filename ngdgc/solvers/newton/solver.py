@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -69,13 +70,13 @@ class SemismoothNewtonSolver:
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
 
 
-def _Start(start, shape):
+def _Start(start: Any, shape: tuple[int, ...]) -> tuple[Array, Array]:
     """Displacement and traction as arrays of this shape; ProblemError for anything else."""
     remedy = f"give the pair of displacement and traction at the contact points, both {shape} and finite"
     pair = isinstance(start, (tuple, list, np.ndarray)) and len(start) == 2
     if pair and all(isinstance(part, np.ndarray) for part in start) and [part.shape for part in start] != [shape, shape]:
         raise ProblemError(f"start has shapes {[part.shape for part in start]}; {remedy}")
-    arrays = [Reals(part, shape) for part in start] if pair else [None]
+    arrays: list[Any] = [Reals(part, shape) for part in start] if pair else [None]
     if any(array is None for array in arrays):
         raise ProblemError(f"start is {start!r}; {remedy}")
-    return tuple(arrays)
+    return arrays[0], arrays[1]

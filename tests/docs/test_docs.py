@@ -79,6 +79,27 @@ def test_examples_of_the_contracts_run():
         exec(compile(wrong, "contracts.md", "exec"), {})
 
 
+def Imported(source):
+    """The statements of a Python source that import something of ngdgc."""
+    plain = "\n".join(line for line in source.splitlines() if not line.lstrip().startswith(("%", "!")))
+    return [ast.unparse(node) for node in ast.walk(ast.parse(plain))
+            if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "ngdgc"]
+
+
+def test_what_pages_and_notebooks_import_is_there():
+    """Also what only a build of the pages would run."""
+    sources = [cell for text in PAGES.values() for cell in CELL.findall(text)]
+    for path in (DOCS / "notebooks").glob("*.ipynb"):
+        cells = json.loads(path.read_text(encoding="utf-8"))["cells"]
+        sources += ["".join(cell["source"]) for cell in cells if cell["cell_type"] == "code"]
+    statements = {line for source in sources for line in Imported(source)}
+    assert len(statements) > 30
+    for line in statements:
+        exec(line, {})
+    with pytest.raises(ImportError):
+        exec("".join(Imported("from ngdgc import locking")), {})
+
+
 def Unlisted(page):
     """Public names that the reference leaves out."""
     listed = {name for _, name in TOOLS["apidoc"].Names(page)}

@@ -158,6 +158,7 @@ def test_spaces():
     assert len(list(mesh.Elements(VOL))) == 8
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", METHODS)
 def test_methods(name):
     CheckMethod(METHODS[name]())

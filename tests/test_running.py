@@ -34,8 +34,9 @@ def test_sleep():
 
 
 @pytest.fixture
-def folder(pytester):
+def folder(pytester, monkeypatch):
     """Tests that tell the process in which they run, more than a few files of them."""
+    monkeypatch.delenv("PYTEST_XDIST_WORKER", raising=False)        # of this process
     pytester.makeconftest(HOOKS)
     pytester.makeini("[pytest]\naddopts = -n auto --maxprocesses 2 --dist loadfile\nmarkers =\n    slow: long\n")
     pytester.makepyfile(**{f"test_{number}": "import os\ndef test_one():\n    assert 'PYTEST_XDIST_WORKER' not in os.environ\n"

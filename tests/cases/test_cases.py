@@ -119,6 +119,7 @@ def test_rate_towards_the_rigid_foundation(some):
     assert abs(Rates(wrong, ratio=10)[0]) < 0.01
 
 
+@pytest.mark.slow
 def test_study_of_the_rigid_foundation_takes_a_solver():
     """The explicit iteration does soft ones: the error falls, not yet like 1/k."""
     errors, rates = rigid_limit.Study([250, 1000], method=Conforming(), solver=UzawaSolver(tol=1e-8))

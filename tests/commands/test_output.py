@@ -199,6 +199,7 @@ def test_ctrl_c_keeps_the_last_iterate():
     assert "NOT CONVERGED" in solution.Report()
 
 
+@pytest.mark.slow
 def test_progress_loads_no_notebook():
     """It asks for IPython only where that is loaded already."""
     code = "import sys, ngdgc.commands.output as o; p = o.Progress(); print('IPython' in sys.modules, p.display)"

@@ -169,6 +169,7 @@ def Least(disc):
     return values[values > 1e-10 * values[-1]][0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_compliance_of_conforming_elements_has_no_small_eigenvalues(order, monkeypatch):
     """The smallest one falls like h, and with Gauss' k points like h^3: tractions of alternating sign load no node."""

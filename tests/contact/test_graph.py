@@ -134,6 +134,7 @@ def test_derivative_against_central_differences(dim, compliance, friction, gamma
     assert wrong.max() > 1e-3 or symmetric
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", FRICTIONS)
 @pytest.mark.parametrize("compliance", COMPLIANCES, ids=lambda law: f"{law[0]:g}^{law[1]}")
 def test_traction_is_a_lipschitz_function_of_q_however_stiff_the_law(compliance, friction):
@@ -171,6 +172,7 @@ def test_zones_of_pairs_that_are_known():
     assert np.abs(graph.At(graph.Coordinates(u, t)).traction[1] - t[1]).max() > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("friction", FRICTIONS)
 @pytest.mark.parametrize("compliance", COMPLIANCES, ids=lambda law: f"{law[0]:g}^{law[1]}")
 @pytest.mark.parametrize("dim", [2, 3])

@@ -162,6 +162,7 @@ def test_discontinuous_data_act_as_numbers_do(method):
         assert not np.allclose(Forces(mesh, method, **wrong), right, rtol=1e-3)
 
 
+@pytest.mark.slow
 def test_discontinuous_data_in_space():
     mesh, vectors = BoxMesh(2), CF((0.02, 0, -0.1))
 

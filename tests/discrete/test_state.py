@@ -42,6 +42,7 @@ def Renumber(mesh):
         element.index = 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("Change, word", [(Move, "points"), (Rename, "renamed"), (Deform, "deformation"),
                                           (Renumber, "other regions"), (lambda mesh: mesh.Curve(3), "curved"),
                                           (lambda mesh: mesh.Refine(), "refined")])

@@ -8,6 +8,7 @@ from collections import Counter
 from itertools import groupby
 from pathlib import Path
 
+import pytest
 from house import STOREYS
 
 import ngdgc
@@ -27,6 +28,7 @@ def Section(heading):
     return PAGE.split(f"## {heading}\n")[1].split("\n## ")[0]
 
 
+@pytest.mark.slow
 def test_pictures_of_storeys_and_contracts_are_those_of_the_source():
     assert storeys.Written(PAGE) == PAGE, "run python docs/storeys.py"
     assert storeys.Written(PAGE.replace("`Solver`", "`Solvers`")) == PAGE       # control

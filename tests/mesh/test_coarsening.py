@@ -158,6 +158,7 @@ def test_coarser_mesh_is_one_of_the_same_body(name):
         SameBody(coarse, squashed)
 
 
+@pytest.mark.slow
 def test_coarser_meshes_end():
     """Again and again, each of the same body, until None: no endless loop, and a few levels."""
     for make in MESHES.values():
@@ -221,6 +222,7 @@ def test_names_in_another_order_are_no_structured_box():
     assert max(ends) == pytest.approx(0.5) and min(ends) == 0
 
 
+@pytest.mark.slow
 def test_solid_geometry_keeps_its_surfaces():
     """Constructive solid geometry, where surface numbers, not names alone, carry data."""
     geometry = CSGeometry()

@@ -15,6 +15,7 @@ def test_area_of_a_disc_by_the_order_of_its_boundary(order, least, most):
     assert least < error < most
 
 
+@pytest.mark.slow
 def test_names_of_faces_and_solids_are_those_of_the_mesh():
     box = Box(Pnt(0, 0, 0), Pnt(2, 1, 1))
     box.faces.name, box.faces.Min(Z).name, box.name = "wall", "floor", "steel"

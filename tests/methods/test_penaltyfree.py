@@ -64,6 +64,7 @@ def test_element_bound_is_a_bound(cells, order, form):
     assert Correlation(lower.form.operators, True).kappa == pytest.approx(1, abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("cells, order", [("triangle", 1), ("triangle", 2), ("quad", 1), ("tet", 2)])
 def test_no_constant_depends_on_lam(cells, order):
     """With liftings of degree k + 2, which nearly incompressible materials get; with k + 1 the bound tends to 1 but for P1."""

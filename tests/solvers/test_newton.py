@@ -123,6 +123,7 @@ def test_all_solvers_find_one_solution(friction, method):
     assert Difference(explicit, NEWTON.Solve(Stiff("4.2", 0.101, friction, method=method))) > 1e-4
 
 
+@pytest.mark.slow
 def test_implicit_solvers_agree_on_stiff_foundations(method):
     disc = Stiff("4.1", 1e6, CoulombFriction(0.3), method=method, order=2)
     reference = NEWTON.Solve(disc)
@@ -132,6 +133,7 @@ def test_implicit_solvers_agree_on_stiff_foundations(method):
     assert Difference(reference, NEWTON.Solve(Stiff("4.1", 1e6, CoulombFriction(0.29), method=method, order=2))) > 1e-4
 
 
+@pytest.mark.slow
 def test_several_foundations_with_data_that_vary_in_space():
     """Three sides with laws of their own; the same solution as with dense matrices, and each law matters."""
     def Laws(stiff=1e6, bound=3.0):
@@ -203,6 +205,7 @@ def test_limit_of_steps_is_named_and_the_last_iterate_kept():
     assert np.abs(error.solution.vector).max() > 0 and "NOT CONVERGED" in error.solution.Report()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("solver", [NEWTON, NestedNewtonSolver()])
 def test_interrupt_keeps_the_last_iterate_and_callback_sees_every_step(solver):
     """On the last mesh."""

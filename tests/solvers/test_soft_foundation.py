@@ -31,6 +31,7 @@ def Cost(solution):
     return sum(level.solves for level in solution.levels)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [InteriorPenalty(), BassiEtAl(), LDG(form="lifting"), Conforming()])
 def test_pressed_plate_sinks_evenly(method):
     """The stress is -1 along y: the pressure is 1 everywhere, whatever k is."""

@@ -113,6 +113,7 @@ def test_stability_command_prints_the_study_of_a_case(capsys):
     assert capsys.readouterr().out.strip() == StabilityText(Study(example_4_2.Problem(), example_4_2.Mesh(4), order=2)).strip()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("arguments, culprit", [("bench assembly --method dg", "no method 'dg'"),
                                                 ("bench assembly --n 4 --assembly fast", "assembly is 'fast'"),
                                                 ("bench assembly --n 4 --form both", "form is 'both'"),

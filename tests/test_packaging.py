@@ -146,7 +146,8 @@ def test_source_archive_has_what_its_tests_and_documentation_need(archives, tmp_
     assert not [name for name in names if "_build" in name or name.endswith(".pyc") or "moved" in name]
     # Its tests run, those too that read pages and commands, as README.md says: against the installed package.
     script = Path(sys.executable).with_name("pytest")
-    tests = ["tests/test_laws.py", "tests/test_package.py", "-k", "laws or links or commands or (small and not test_code)"]
+    tests = ["tests/problem/test_laws.py", "tests/test_package.py", "-k",
+             "laws or links or commands or (small and not test_code)"]
     done = Run(script, "-q", "-n", "0", *tests, cwd=tmp_path / NAME)
     assert done.returncode == 0 and int(re.search(r"(\d+) passed", done.stdout)[1]) > 50, done.stdout
     (tmp_path / NAME / "docs" / "theory.md").unlink()

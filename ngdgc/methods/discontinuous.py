@@ -58,7 +58,7 @@ class DiscontinuousGalerkin(BrokenSpace, ABC):
     form : "edge", B^(1)_h with averages of C eps(u) on the facets, or "lifting", B^(2)_h with C eps(u) against r_0([v])
 
     Rows: `globallift`, the term (C r_0[u], r_0[v]); `theta`, the factor of -<[u],{C eps(v)}>, 1 for a symmetric form;
-    `Stabilised`, the degree of the lifting space Q_h and what makes the form coercive.
+    `_Stabilised`, the degree of the lifting space Q_h and what makes the form coercive.
     """
 
     form: str
@@ -76,7 +76,7 @@ class DiscontinuousGalerkin(BrokenSpace, ABC):
         return self.theta == 1
 
     @abstractmethod
-    def Stabilised(self, lifting: Callable[[int], FacetOperators], material: Any, mesh: Mesh,
+    def _Stabilised(self, lifting: Callable[[int], FacetOperators], material: Any, mesh: Mesh,
                    order: int) -> tuple[FacetOperators, Any, float | None, Guarantee]:
         """(operators, penalty of the jumps or None, eta of eta sum_e (C r_e, r_e) or None, what is known of the coercivity).
 
@@ -91,7 +91,7 @@ class DiscontinuousGalerkin(BrokenSpace, ABC):
         def Lifting(liftorder):
             return FacetOperators(problem.material, facets, order, liftorder, share, rollers)
 
-        operators, rule, eta, guarantee = self.Stabilised(Lifting, problem.material, facets.mesh, order)
+        operators, rule, eta, guarantee = self._Stabilised(Lifting, problem.material, facets.mesh, order)
         terms = {"lifted": self.form == "lifting", "globallift": self.globallift, "theta": self.theta, "guarantee": guarantee}
         if assembly == "facet":
             return FacetForm(problem, space, operators, rule=rule, eta=eta, **terms)

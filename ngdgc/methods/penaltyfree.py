@@ -36,7 +36,7 @@ class PenaltyFreeLDG(DiscontinuousGalerkin):
 
     B_h(u,v) = int C eps_h(u):eps_h(v) - <[u],{C eps(v)}> - <[v],{C eps(u)}> + (C r_0[u], r_0[v]),    without a parameter.
 
-    form : "edge" or "lifting", as for `DiscontinuousGalerkin`
+    form : "edge" or "lifting", as for the rows with a penalty
 
     The degree is k + 2 where the volumetric stiffness is more than ten times the shear stiffness, nu = 0.45 in plane strain.
     Source: John, Neilan, Smears, Stable discontinuous Galerkin FEM without penalty parameters, in Numerical Mathematics and
@@ -56,7 +56,7 @@ class PenaltyFreeLDG(DiscontinuousGalerkin):
     def __post_init__(self) -> None:
         self._CheckForm()
 
-    def Stabilised(self, lifting: Callable[[int], FacetOperators], material: Any, mesh: Mesh,
+    def _Stabilised(self, lifting: Callable[[int], FacetOperators], material: Any, mesh: Mesh,
                    order: int) -> tuple[FacetOperators, Any, float | None, Guarantee]:
         operators = lifting(order + (2 if Swelling(material, mesh) > SWOLLEN else 1))
         return operators, None, None, Correlation(operators, self.form == "lifting")

@@ -26,7 +26,7 @@ class PenalisedRow(DiscontinuousGalerkin):
     penalty : "auto" or a number > 0, whose meaning is the row's
     weighting : of the jump penalty, "mu" for the paper's eta/h [u]:[v] with eta = penalty mu order^2, or "C" for
         penalty order^2/h {C}[u]:[v]; by default "mu" for a number and "C" for "auto"
-    form : "edge" or "lifting", as for `DiscontinuousGalerkin`
+    form : "edge", B^(1)_h with averages of C eps(u) on the facets, or "lifting", B^(2)_h with C eps(u) against r_0([v])
     liftorder : degree l >= 0 of the lifting space Q_h, by default the order k.  The forms agree where C eps(V_h) lies in Q_h:
         simplices with l >= k - 1 and parallelograms with l = k, for constant C.
     singular : True admits liftorder=0 for r_e, to look at a singular matrix; no such problem is solved
@@ -73,7 +73,7 @@ class PenalisedRow(DiscontinuousGalerkin):
                                "mean of a jump, so jumps of mean zero cost nothing; take liftorder >= 1, by default the order "
                                "(singular=True admits it, to look at the matrix)")
 
-    def Stabilised(self, lifting: Callable[[int], FacetOperators], material: Any, mesh: Mesh,
+    def _Stabilised(self, lifting: Callable[[int], FacetOperators], material: Any, mesh: Mesh,
                    order: int) -> tuple[FacetOperators, Any, float | None, Guarantee]:
         liftorder, most = order if self.liftorder is None else self.liftorder, HIGHEST[mesh.dim]
         operators = lifting(Integer(liftorder, "liftorder", f"in {mesh.dim}D it must be at most {most}, up to which forms are "

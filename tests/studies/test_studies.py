@@ -198,7 +198,7 @@ def test_locking_command_prints_what_the_study_finds(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("arguments, culprit", [
-    ("convergence --method dg", "no method 'dg'; choose all or one of ip, bassi, brezzi, ldg, nipg, iipg, h1"),
+    ("convergence --method dg", "no method 'dg'; choose all or one of ip, bassi, brezzi, ldg, ldg0, nipg, iipg, wopsip, h1"),
     ("convergence --form both", "form is 'both'; choose edge or lifting"),
     ("convergence --method h1 --form edge", "form does not apply to method 'h1'"),
     ("convergence --method h1 --penalty 3", "penalty does not apply to method 'h1'"),

@@ -47,7 +47,8 @@ ARRAY = _Array, NUMBERS[1]
 PATH = _Path, "give the name of a file or folder"
 # {parameter: (does a value fit?, what to give)}
 KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "disc": (_Is("Discretization"), "give Discretization(problem, method, mesh, order=1), that of a solution is solution.disc"),
+    "disc": (_Is("DiscreteProblem"), "give Discretization(problem, method, mesh, order=1), that of a solution is "
+                                     "solution.disc"),
     "solution": (_Is("ContactSolution"), "give a ContactSolution, which Solve(disc) returns"),
     "problem": (_Is("ContactProblem"), "give a ContactProblem"),
     "material": (_Is("HookeMaterial", "AnisotropicMaterial"), "give a HookeMaterial or an AnisotropicMaterial"),
@@ -63,6 +64,8 @@ KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     **dict.fromkeys(("displacement", "u"), FUNCTION), **dict.fromkeys(("stress", "strain"), MATRIX),
     **dict.fromkeys(("r", "p", "slip", "load", "vector", "traction", "functional", "penetration"), ARRAY),
     **dict.fromkeys(("errors", "ratio"), NUMBERS),
+    **dict.fromkeys(("history", "levels"), (lambda value: isinstance(value, (list, tuple)), "give a list, such as that of a "
+                                            "ContactSolution")),
     **dict.fromkeys(("path", "folder"), PATH)}
 
 

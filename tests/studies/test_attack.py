@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from checks import ExitCode
 
-from ngdgc import ProblemError, SlipWeakeningFriction
+from ngdgc import ContactSolution, ProblemError, SlipWeakeningFriction
 from ngdgc.theory import lemmas
 from ngdgc.tools import calls
 from ngdgc.studies.attack.calls import ENDS, Attack, Attempt, Call, Record, Tally
@@ -115,6 +115,16 @@ def test_lists_are_no_arrays_of_points():
         with pytest.raises(ProblemError, match="slip is .*; give real numbers, an array"):
             law.Coefficient(slip)
     assert law.Coefficient(np.zeros(1))[0] == law.Coefficient(0)[0] == 0.5
+
+
+def test_a_history_is_a_list_and_an_inverse_no_solver():
+    """What came of a call is solved only if it is a solver; a right history is taken."""
+    solution = Setting(np.random.default_rng(1), Path()).solution
+    with pytest.raises(ProblemError, match="history is 3; give a list"):
+        ContactSolution(solution.disc, solution.vector, solution.traction, history=3)
+    assert ContactSolution(solution.disc, solution.vector, solution.traction, history=solution.history).history
+    # Calls that made an inverse, and were solved with a Discretization as its load.
+    assert [Attempt(1, number).fault for number in (758, 808)] == [False, False]
 
 
 def test_kinds_are_looked_at_only_after_a_failure():

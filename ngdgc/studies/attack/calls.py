@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import io
 import json
 import multiprocessing
@@ -152,7 +153,9 @@ class Call:
         if hasattr(result, "Form") and hasattr(result, "Space"):
             return setting.Discretization(method=result).Solve()
         if hasattr(result, "Solve"):
-            return result.Solve() if hasattr(result, "space") else result.Solve(setting.disc)
+            # An inverse solves for a load, and has nothing to do with contact.
+            takes = "space" if hasattr(result, "space") else [*inspect.signature(result.Solve).parameters][0]
+            return {"space": result.Solve, "disc": lambda: result.Solve(setting.disc)}.get(takes, lambda: result)()
         return result
 
 

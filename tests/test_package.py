@@ -135,15 +135,27 @@ def test_star_import_changes_no_name_of_ngsolve():
     assert imported == set(ngdgc.__all__)
 
 
+def Imported(path, code):
+    """Seconds of the processor that `code` takes after NGSolve was imported, and the modules that are there then."""
+    script = (f"import time, ngsolve; start = time.process_time(); {code}; print(time.process_time() - start);"
+              "import sys; print(*sys.modules)")
+    seconds, modules = subprocess.run([sys.executable, "-c", script], cwd=path, capture_output=True, text=True,
+                                      check=True).stdout.splitlines()
+    return float(seconds), set(modules.split())
+
+
 @pytest.mark.slow
 def test_import_adds_less_than_half_a_second(tmp_path):
-    # Time of the processor: other processes of the tests take what they like of the clock's.
-    code = ("import time, ngsolve; start = time.process_time(); import ngdgc; print(time.process_time() - start);"
-            "import sys; print('matplotlib' in sys.modules)")
-    command = [sys.executable, "-c", code]
-    runs = [subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=True).stdout.split() for _ in range(3)]
-    assert min(float(seconds) for seconds, _ in runs) < 0.5
-    assert all(loaded == "False" for _, loaded in runs)
+    # Time of the processor: other processes of the tests take what they like of the clock's, but also of the caches, so that
+    # only the quickest of some runs tells what the import costs.
+    assert any(Imported(tmp_path, "import ngdgc")[0] < 0.5 for _ in range(6))
+
+
+@pytest.mark.slow
+def test_import_brings_no_module_that_is_slow_and_rarely_needed(tmp_path):
+    slow = {"matplotlib", "scipy.linalg", "scipy.sparse.linalg", "scipy.spatial", "scipy.optimize"}
+    assert not slow & Imported(tmp_path, "import ngdgc")[1]
+    assert slow & Imported(tmp_path, "import ngdgc.plots")[1]       # control: what is slow is seen
 
 
 MODULES = [module.name for module in pkgutil.walk_packages(ngdgc.__path__, "ngdgc.") if ".cases" not in module.name]

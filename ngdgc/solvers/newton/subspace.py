@@ -14,7 +14,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import lsqr
 from ngsolve import L2
 
 from ...linear.choice import Direct
@@ -70,6 +69,8 @@ class Subspace(LinearEquations):
     @cached_property
     def motions(self):
         """Coefficients (m, unknowns) of the rigid motions that A does not resist: all of them are in X_h."""
+        from scipy.sparse.linalg import lsqr        # slow to import
+
         found = [lsqr(self.prolongation, motion, atol=EXACT, btol=EXACT)[0] for motion in self.disc.motions]
         return np.array(found).reshape(-1, self.matrix.height)
 

@@ -14,6 +14,7 @@ from mistakes.calls import CALLS
 from mistakes.commands import COMMANDS
 from mistakes.contracts import CONTRACTS
 from mistakes.data import DATA
+from mistakes.estimates import ESTIMATES
 from mistakes.forces import FORCES
 from mistakes.iterations import FAILURES
 from mistakes.laws import LAWS
@@ -31,7 +32,8 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw", "_Mistake")
-ROWS = CALLS + CONTRACTS + DATA + FORCES + LAWS + MESHES + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES
+ROWS = (CALLS + CONTRACTS + DATA + ESTIMATES + FORCES + LAWS + MESHES + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES
+        + COMMANDS + FAILURES)
 
 
 @cache

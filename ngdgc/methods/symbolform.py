@@ -16,7 +16,7 @@ from ..mesh.facets import Curved, Threads
 from ..problem.materials import Strain
 
 
-def _OtherStrain(u):
+def OtherStrain(u):
     """eps(u) of the neighbour, of a trial or test function or a GridFunction."""
     return Sym(Grad(u).Other()) if isinstance(u, GridFunction) else Strain(u.Other())
 
@@ -34,7 +34,7 @@ class Interior:
         return u - u.Other()
 
     def Mean(self, u):
-        return 0.5 * (self.material.Stress(Strain(u)) + self.material.OtherStress(_OtherStrain(u))) * self.n
+        return 0.5 * (self.material.Stress(Strain(u)) + self.material.OtherStress(OtherStrain(u))) * self.n
 
     def MeanOf(self, q):
         """{q} n for a symmetric matrix q."""

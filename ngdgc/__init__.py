@@ -3,6 +3,7 @@
 from ngsolve import Solve
 
 from .discretization import Discretization
+from .estimates.error import EstimateError
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .methods.conforming import Conforming
 from .methods.lifting import Lifting
@@ -25,7 +26,7 @@ __version__ = "0.2.0"
 # NGSolve's own Solve, which calls disc.Solve.
 __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
-           "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting",
-           "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError",
-           "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve",
-           "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]
+           "EstimateError", "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG",
+           "Lifting", "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance",
+           "NotConvergedError", "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver",
+           "SlipWeakeningFriction", "Solve", "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]

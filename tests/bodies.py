@@ -2,7 +2,7 @@
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
-from netgen.meshing import Element1D
+from netgen.meshing import Element1D, Element2D, Element3D, FaceDescriptor, MeshPoint, Pnt
 from netgen.meshing import Mesh as NetgenMesh
 from netgen.occ import Box, Circle, Glue, MoveTo, OCCGeometry, WorkPlane
 from ngsolve import Mesh
@@ -62,6 +62,18 @@ def Ring(order, maxh):
 
 def Cube(cells, n=1):
     return MakeStructured3DMesh(hexes=cells == "hex", prism=cells == "prism", nx=n, ny=n, nz=n)
+
+
+def Pyramids():
+    """The unit cube of six pyramids."""
+    net = NetgenMesh(dim=3)
+    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0.5, 0.5, 0.5)]
+    points, region = [net.Add(MeshPoint(Pnt(*corner))) for corner in corners], net.AddRegion("solid", dim=3)
+    for face in [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]:
+        base = [points[corner] for corner in face]
+        net.Add(Element3D(region, base + [points[8]]))
+        net.Add(Element2D(net.Add(FaceDescriptor(surfnr=1, domin=1, bc=1)), base[::-1]))
+    return Mesh(net)
 
 
 def Layers(dim):

@@ -72,24 +72,24 @@ class Patches:
     ----------
     material, facets : of the Discretization;  order : k;  liftorder : l
     share : weight of a side in the averages, over facets: 1/2 inside, 1 on Gamma_D and rollers, 0 off E0
-    rollers : True for roller facets, over facets
+    rollers : True for roller facets, over facets;  extra : degrees of quadrature beyond products of two functions
     """
 
-    def __init__(self, material, facets, order, liftorder, share, rollers):
+    def __init__(self, material, facets, order, liftorder, share, rollers, extra=0):
         mesh = facets.mesh
         self.mesh, self.dim, self.material, self.facets, self.share = mesh, mesh.dim, material, facets, share
         self.order, self.liftorder, self.many = order, liftorder, mesh.ne > THREADED
-        self.groups = list(self._Groups(rollers))
+        self.groups = list(self._Groups(rollers, extra))
         self._TabulateSides()
 
-    def _Groups(self, rollers):
+    def _Groups(self, rollers, extra):
         nodes, facets = self.facets.vertices, self.facets
         counts = (nodes >= 0).sum(axis=1)
         for count in np.unique(counts):
             elements = np.flatnonzero(counts == count)
             numbers = facets.ofelements[facets.starts[elements][:, None] + np.arange(SIDES[self.dim][count])]
             yield ElementGroup(self.mesh, self.material, TYPES[self.dim][count], elements, nodes[elements, :count], numbers,
-                               rollers[numbers], self.order, self.liftorder)
+                               rollers[numbers], self.order, self.liftorder, extra)
 
     def _TabulateSides(self):
         """The sides of the elements, sorted by facet and element, as arrays; and where the sides of a facet begin."""
@@ -155,6 +155,11 @@ class Patches:
                             elements.append(self._element[across[part, s]])
                         arms.append((self._Side(own[part, s]), group.facets[part, s], beyond))
                     yield Star(number, part, group.Part(part), np.stack(elements, axis=1), tuple(arms))
+
+    def Signs(self, number):
+        """1 where the element fixes the orientation of the facet, else -1, on the sides (n, s) of a group."""
+        own, _ = self._sidesof[number]
+        return np.where(own == self._first[self.groups[number].facets], 1.0, -1.0)
 
     @cached_property
     def _sidesof(self):

@@ -16,20 +16,23 @@ class GroupGeometry:
     """A group: n elements of one type, and arrays over them and their quadrature points.
 
     elements (n,) numbers;  facets (n, s) numbers in NGSolve's local order;  rollers (n, s) True where a facet couples normal
-    parts only;  vertices (n, corners) numbers;  order k;  liftorder l
+    parts only;  vertices (n, corners) numbers;  order k;  liftorder l;  extra : degrees of quadrature beyond products of two
+    functions of V_h or Q_h
     uniform : True if neither geometry nor C varies in any element
     """
 
-    def __init__(self, mesh, material, et, elements, vertices, facets, rollers, order, liftorder):
+    def __init__(self, mesh, material, et, elements, vertices, facets, rollers, order, liftorder, extra=0):
         self.et, self.dim = et, mesh.dim
         self.elements, self.facets, self.rollers = elements, facets, rollers
         self._kind, self._shapes, self._chosen = np.zeros(len(elements), dtype=np.int16), [], slice(None)
         for kind, (rank, rows) in enumerate(_ByOrder(vertices)):
             self._kind[rows] = kind
-            self._shapes.append(Reference(et, rank, order, liftorder, material.bonus))
-        self._reference = self._shapes[0]
+            self._shapes.append(Reference(et, rank, order, liftorder, material.bonus + extra))
+        self.reference = self._shapes[0]
         affine = self._AffineMaps(mesh, vertices)
-        points = self._MeshPoints(mesh) if affine is None or material.bonus else []
+        points = []
+        if affine is None or material.bonus:
+            points = [self.MeshPoints(mesh, shapes) for shapes in (self.reference, *self.reference.facets)]
         self._geometry = self._Geometries(affine, points)
         self._boundary = self._Boundaries()
         self._stiffness = self._Stiffnesses(mesh, material, points)
@@ -39,8 +42,8 @@ class GroupGeometry:
         """Some of these elements, given by their rows; what is computed for them lives as long as the part."""
         part = object.__new__(type(self))
         part.et, part.dim, part.uniform, part._chosen = self.et, self.dim, self.uniform, rows
-        part._shapes, part._reference, part._geometry, part._boundary, part._stiffness = (
-            self._shapes, self._reference, self._geometry, self._boundary, self._stiffness)
+        part._shapes, part.reference, part._geometry, part._boundary, part._stiffness = (
+            self._shapes, self.reference, self._geometry, self._boundary, self._stiffness)
         part.elements, part.facets, part.rollers, part._kind = (
             array[rows] for array in (self.elements, self.facets, self.rollers, self._kind))
         return part
@@ -58,25 +61,25 @@ class GroupGeometry:
     @property
     def constant(self):
         """True if C eps(u) is constant in every element."""
-        return self.uniform and self._reference.constant
+        return self.uniform and self.reference.constant
 
     @property
     def sides(self):
-        return range(len(self._reference.facets))
+        return range(len(self.reference.facets))
 
     @property
     def na(self):
         """Scalar shape functions of V_h, how many letters a there are."""
-        return self._reference.dv.shape[2]
+        return self.reference.dv.shape[2]
 
     @property
     def nl(self):
         """Scalar shape functions of Q_h, letters p."""
-        return self._reference.p.shape[1]
+        return self.reference.p.shape[1]
 
     def nb(self, s):
         """Scalar shape functions of F_h on side s, letters b."""
-        return self._reference.facets[s].mu.shape[1]
+        return self.reference.facets[s].mu.shape[1]
 
     def _AffineMaps(self, mesh, vertices):
         """dF_jm = d x_j/d xi_m, (n, 1, j, m), if all elements are affine images of the reference element, else None."""
@@ -96,16 +99,13 @@ class GroupGeometry:
         """Elements of which every other one is an affine image with C constant in it; all of them if there are none such."""
         return self.Part(np.array([rows[0] for rows, _ in self.rows])) if self.uniform else self
 
-    def _MeshPoints(self, mesh):
-        """NGSolve mesh points of the element rule and the side rules, each (n, q)."""
-        found = []
-        for shapes in (self._reference, *self._reference.facets):
-            rules = {et: IntegrationRule(et, 0) for et in VOLUME_TYPES[self.dim]}
-            rules[self.et] = IntegrationRule(points=[tuple(point) for point in shapes.points[:, :self.dim]],
-                                             weights=list(shapes.weights))
-            mapped = mesh.MapToAllElements(rules, VOL)
-            found.append(mapped[np.isin(mapped["nr"], self.elements)].reshape(len(self.elements), len(shapes.weights)))
-        return found
+    def MeshPoints(self, mesh, shapes):
+        """NGSolve mesh points (n, q) of the rule of a ReferenceElement or its FacetShapes."""
+        rules = {et: IntegrationRule(et, 0) for et in VOLUME_TYPES[self.dim]}
+        rules[self.et] = IntegrationRule(points=[tuple(point) for point in shapes.points[:, :self.dim]],
+                                         weights=list(shapes.weights))
+        mapped = mesh.MapToAllElements(rules, VOL)
+        return mapped[np.isin(mapped["nr"], self.elements)].reshape(len(self.elements), len(shapes.weights))
 
     def _Geometries(self, affine, points):
         """[(G, volume)] of the element and its sides: G_mj = d xi_m/d x_j (n, q, m, j) and |det dF| (n, q)."""
@@ -121,25 +121,25 @@ class GroupGeometry:
             return [StiffnessAt(material, anywhere, self.dim)[None]] * (1 + len(self.sides))
         return [_AtPoints(at, StiffnessAt(material, at.ravel(), self.dim)) for at in points]
 
-    def _Geometry(self, number=0):
+    def Geometry(self, number=0):
         """(G, volume) of the element (0) or of side number - 1."""
         G, volume = self._geometry[number]
         return G[self._chosen], volume[self._chosen]
 
-    def _C(self, number=0):
+    def Stiffness(self, number=0):
         C = self._stiffness[number]
         return C if len(C) == 1 else C[self._chosen]
 
     def _Boundaries(self):
         """[(normal (n, q, j), measure (n, q))] of the sides."""
         found = []
-        for facet, (G, volume) in zip(self._reference.facets, self._geometry[1:]):
+        for facet, (G, volume) in zip(self.reference.facets, self._geometry[1:]):
             normal = facet.normal @ G       # Nanson: n is along G' N, and |G' N| |det dF| the measure; n q j
             length = np.sqrt(np.square(normal).sum(axis=2))
             found.append((normal / length[..., None], length * volume))
         return found
 
-    def _Boundary(self, s):
+    def Boundary(self, s):
         """(normal (n, q, j), measure (n, q)) of side s."""
         n, measure = self._boundary[s]
         return n[self._chosen], measure[self._chosen]
@@ -148,7 +148,7 @@ class GroupGeometry:
         """P_ij (n, q, i, j) on side s: n n' on rollers, which transmit the normal part only, else the identity, or None."""
         if not self.rollers[:, s].any():
             return None
-        n, _ = self._Boundary(s)
+        n, _ = self.Boundary(s)
         return np.where(self.rollers[:, s, None, None, None], n[..., :, None] * n[..., None, :], np.eye(self.dim))
 
 

@@ -34,7 +34,7 @@ class ElementGroup(GroupGeometry):
 
     def _Contract(self, pairs, number):
         """sum_jl pairs[n, q, x, j, l] C_ijkl -> (n, q, x, i, k), in the element (0) or on side number - 1; x any number."""
-        C, d = self._C(number), self.dim
+        C, d = self.Stiffness(number), self.dim
         C = C.transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], d * d, d * d)   # nqijkl -> n q (j l) (i k)
         pairs = pairs.reshape(*pairs.shape[:3], d * d)                          # n q x (j l)
         if C.shape[:2] == (1, 1):       # one product for all
@@ -44,13 +44,13 @@ class ElementGroup(GroupGeometry):
 
     def _StressGradient(self):
         """C_ijkl G_tl, that maps reference gradients of u_k to stresses in the element, (n, q, i, j, k, t)."""
-        C, (G, _), d = self._C(), self._Geometry(), self.dim
+        C, (G, _), d = self.Stiffness(), self.Geometry(), self.dim
         stress = C.reshape(*C.shape[:2], d ** 3, d) @ np.swapaxes(G, 2, 3)      # n q (i j k) l  @  n q l t
         return stress.reshape(*stress.shape[:2], d, d, d, d)
 
     def _EnergyDensity(self, number=0):
         """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t)."""
-        (G, _), d = self._Geometry(number), self.dim
+        (G, _), d = self.Geometry(number), self.dim
         pairs = G[:, :, :, None, :, None] * G[:, :, None, :, None, :]           # G_mj G_tl, n q m t j l
         density = self._Contract(pairs.reshape(*G.shape[:2], d * d, d, d), number)      # n q (m t) i k
         return density.reshape(*density.shape[:2], d, d, d, d).transpose(0, 1, 4, 5, 2, 3)
@@ -85,7 +85,7 @@ class ElementGroup(GroupGeometry):
 
     def _Pairs(self, coefficient, left, right):
         """sum_q w_q coefficient[n, q, i, k] left_a right_b -> (n, (i, a), (k, b)); left and right give (q, functions)."""
-        (n, _, rows, columns), sample = coefficient.shape, self._reference
+        (n, _, rows, columns), sample = coefficient.shape, self.reference
 
         def Products(shape):
             weights, a, b = left(shape)[0], left(shape)[1], right(shape)[1]
@@ -105,8 +105,18 @@ class ElementGroup(GroupGeometry):
             return values.reshape(len(here.weights), d, -1)
 
         values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4), Products)     # n i k (b a)
-        b = left(self._reference).shape[1]
+        b = left(self.reference).shape[1]
         return values.reshape(n, rows, d, b, self.na).transpose(0, 1, 3, 2, 4).reshape(n, rows * b, d * self.na)
+
+    def AtPoints(self, functions, local):
+        """sum_a local[n, i, a] functions(shape)[q, m, a], (n, q, i, m), for values at the q points of the elements."""
+        (n, d, _), sample = local.shape, functions(self.reference)
+        values = np.empty((n, d, *sample.shape[:2]))
+        for rows, shape in self.rows:
+            table = functions(shape)
+            values[rows] = (local[rows].reshape(-1, table.shape[2]) @ table.reshape(-1, table.shape[2]).T).reshape(
+                len(rows), d, *table.shape[:2])
+        return np.swapaxes(values, 1, 2)
 
     def _Side(self, s, name):
         return lambda shape: (shape.facets[s].weights, getattr(shape.facets[s], name))
@@ -114,13 +124,13 @@ class ElementGroup(GroupGeometry):
     @Cached
     def energy(self):
         """K = int C eps(u):eps(v), (n, (i a), (k b))."""
-        _, volume = self._Geometry()
+        _, volume = self.Geometry()
         return self._Gradients(self._EnergyDensity() * volume[..., None, None, None, None], _GradientProducts)
 
     @Cached
     def rotations(self):
         """int (d_i u_k - d_k u_i), i < k, as functionals, (n, (k a), pairs)."""
-        G, volume = self._Geometry()
+        G, volume = self.Geometry()
         pairs = [(i, k) for i in range(self.dim) for k in range(i + 1, self.dim)]
         curl = np.zeros((len(pairs), self.dim, self.dim))
         for number, (i, k) in enumerate(pairs):
@@ -130,14 +140,14 @@ class ElementGroup(GroupGeometry):
 
     def Trace(self, s):
         """int_e u.mu with the transmitted part of u, (n, (i b), (k a))."""
-        _, measure = self._Boundary(s)
+        _, measure = self.Boundary(s)
         transmitted = self._Transmitted(s)
         transmitted = np.eye(self.dim)[None, None] if transmitted is None else transmitted
         return self._Pairs(measure[..., None, None] * transmitted, self._Side(s, "mu"), self._Side(s, "v"))
 
     def TraceValue(self, s):
         """M_F^-1 times `Trace`: the transmitted part of u on the side as coefficients in F_h, (n, (i b), (k a))."""
-        _, measure = self._Boundary(s)
+        _, measure = self.Boundary(s)
         if measure.shape[1] > 1:
             inverse, trace = self.InverseFacetMass(s), self.Trace(s)
             return (inverse[:, None] @ trace.reshape(len(trace), self.dim, self.nb(s), -1)).reshape(trace.shape)
@@ -153,12 +163,12 @@ class ElementGroup(GroupGeometry):
 
     def Traction(self, s):
         """int_e {C eps(u) n}.mu with the transmitted part of the traction, (n, (i b), (k a))."""
-        stress = self._StressOnNormal(s) * self._Boundary(s)[1][..., None, None, None]
+        stress = self._StressOnNormal(s) * self.Boundary(s)[1][..., None, None, None]
         return self._Mixed(self._Transmit(s, stress), lambda shape: shape.facets[s].mu, s)
 
     def _StressOnNormal(self, s):
         """n_j C_ijkl G_tl, (n, q, i, k, t)."""
-        (n, _), (G, _) = self._Boundary(s), self._Geometry(1 + s)
+        (n, _), (G, _) = self.Boundary(s), self.Geometry(1 + s)
         return self._Contract(n[:, :, None, :, None] * G[:, :, :, None, :], 1 + s).transpose(0, 1, 3, 4, 2)
 
     def _Transmit(self, s, coefficient):
@@ -167,13 +177,13 @@ class ElementGroup(GroupGeometry):
 
     def LiftedTraction(self, s):
         """int_e q n.mu with the transmitted part of the traction, (n, (i b), (c p))."""
-        n, measure = self._Boundary(s)
+        n, measure = self.Boundary(s)
         coefficient = self._Transmit(s, np.einsum("nqj,cij->nqic", n * measure[..., None], self.basis))
         return self._Pairs(coefficient, self._Side(s, "mu"), self._Side(s, "p"))
 
     def InverseFacetMass(self, s):
         """The inverse of int_e mu nu, scalar, (n, b, b)."""
-        return self._InverseMass(self._Boundary(s)[1], self._Side(s, "mu"))
+        return self._InverseMass(self.Boundary(s)[1], self._Side(s, "mu"))
 
     def _InverseMass(self, measure, functions):
         """The inverse of sum_q w_q measure[n, q] f_a f_b, (n, a, b); functions(shape) gives (w, f)."""
@@ -184,18 +194,18 @@ class ElementGroup(GroupGeometry):
             weights, values = functions(shape)
             return np.linalg.inv(np.einsum("q,qa,qb->ab", weights, values, values)).reshape(1, 1, -1)
 
-        size = functions(self._reference)[1].shape[1]
+        size = functions(self.reference)[1].shape[1]
         return self._Sum(1 / measure[:, :, None], Inverse).reshape(len(measure), size, size)
 
     def ElasticJump(self, s):
         """int_e {C sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
-        n, measure = self._Boundary(s)
+        n, measure = self.Boundary(s)
         pairs = n[..., :, None] * (n * measure[..., None])[..., None, :]        # n_j n_l, n q j l
         return self._JumpMass(s, self._Contract(pairs[:, :, None], 1 + s)[:, :, 0])
 
     def PlainJump(self, s):
         """int_e {sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
-        n, measure = self._Boundary(s)
+        n, measure = self.Boundary(s)
         tensor = (np.eye(self.dim) + n[..., :, None] * n[..., None, :]) / 2
         return self._JumpMass(s, tensor * measure[..., None, None])
 
@@ -207,13 +217,13 @@ class ElementGroup(GroupGeometry):
 
     def SurfaceRatios(self, weights):
         """sum_s weights[n, s] |e_s| / |K|, (n,), where geometry is uniform."""
-        surface = sum(weights[:, s] * self._Boundary(s)[1][:, 0] * facet.weights.sum()
-                      for s, facet in enumerate(self._reference.facets))
-        return surface / (self._Geometry()[1][:, 0] * self._reference.weights.sum())
+        surface = sum(weights[:, s] * self.Boundary(s)[1][:, 0] * facet.weights.sum()
+                      for s, facet in enumerate(self.reference.facets))
+        return surface / (self.Geometry()[1][:, 0] * self.reference.weights.sum())
 
     def ElasticPencil(self, weights):
         """sum_s weights[n, s] int_e C eps(u):eps(v), (n, (i a), (k b))."""
-        scaled = [weights[:, s, None] * self._Boundary(s)[1] for s in self.sides]
+        scaled = [weights[:, s, None] * self.Boundary(s)[1] for s in self.sides]
         if not self.uniform:
             return sum(self._Gradients(self._EnergyDensity(1 + s) * scale[..., None, None, None, None], _OnSide(s))
                        for s, scale in enumerate(scaled))
@@ -226,7 +236,7 @@ class ElementGroup(GroupGeometry):
         return sum(self._PlainPencil(s, weights[:, s, None]) for s in self.sides)
 
     def _PlainPencil(self, s, weight):
-        n, measure = self._Boundary(s)
+        n, measure = self.Boundary(s)
         measure = weight * measure
         traction = self._StressOnNormal(s)      # n q i k t
         dual = (2 * np.eye(self.dim) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]    # n q i j
@@ -236,14 +246,14 @@ class ElementGroup(GroupGeometry):
     @Cached
     def stress(self):
         """R = int C eps(u):q, (n, (c p), (k a))."""
-        _, volume = self._Geometry()
+        _, volume = self.Geometry()
         coefficient = np.einsum("cij,nqijkt->nqckt", self.basis, self._StressGradient() * volume[..., None, None, None, None])
         return self._Mixed(coefficient, lambda shape: shape.p)
 
     @Cached
     def inverseliftmass(self):
         """M_Q^-1, (n, (c p), (c p))."""
-        inverse = self._InverseMass(self._Geometry()[1], _LiftFunctions)
+        inverse = self._InverseMass(self.Geometry()[1], _LiftFunctions)
         components = np.linalg.inv(np.einsum("cij,dij->cd", self.basis, self.basis))
         size = len(components) * self.nl
         return (components[:, None, :, None] * inverse[:, None, :, None, :]).reshape(-1, size, size)
@@ -251,8 +261,8 @@ class ElementGroup(GroupGeometry):
     @Cached
     def weightedliftmass(self):
         """M_C, (n, (c p), (c p))."""
-        _, volume = self._Geometry()
-        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, self._C(), self.basis) * volume[..., None, None]
+        _, volume = self.Geometry()
+        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, self.Stiffness(), self.basis) * volume[..., None, None]
         return self._Pairs(weighted, _LiftFunctions, _LiftFunctions)
 
 

@@ -48,19 +48,19 @@ class ReferenceElement:
 
     et : element type;  rank : order of its global vertex numbers, a permutation of 0, 1, ...
     points (q, 3), weights (q,), dv (q, m, a), p (q, p);  facets : FacetShapes in NGSolve's local order
-    constant : True if all gradients are constant
+    constant : True if all gradients are constant;  mesh : NGSolve's mesh of one element
     """
 
     def __init__(self, et, rank, order, liftorder, bonus):
         self.dim = 2 if et in (ET.TRIG, ET.QUAD) else 3
         self._vertices = np.array(REFERENCE_VERTICES[et], dtype=float).reshape(len(rank), -1)
-        mesh = self._Mesh(et, rank)
+        self.mesh = mesh = self._Mesh(et, rank)
         degree = 2 * max(order, liftorder) + bonus
         rule = IntegrationRule(et, degree)
         self.points, self.weights = _Points(rule)
         spaces = L2(mesh, order=order), L2(mesh, order=liftorder)
         v, p = (space.GetFE(ElementId(VOL, 0)) for space in spaces)
-        self.dv, self.p = _Gradients(v, self.points, self.dim), _Values(p, self.points)
+        self.dv, self.p = Gradients(v, self.points, self.dim), _Values(p, self.points)
         traces = FacetFESpace(mesh, order=order)
         numbers = [facet.nr for facet in mesh[ElementId(VOL, 0)].facets]
         facets = {}
@@ -92,7 +92,7 @@ class ReferenceElement:
         inside = VertexFunctions(element.type, points[:, 0], points[:, 1]) @ corners
         inside = np.pad(inside, ((0, 0), (0, 3 - inside.shape[1])))
         return FacetShapes(inside, weights, ReferenceNormal(corners, self._vertices.mean(axis=0), self.dim), _Values(v, inside),
-                           _Gradients(v, inside, self.dim), _Values(p, inside), _Values(mu, points))
+                           Gradients(v, inside, self.dim), _Values(p, inside), _Values(mu, points))
 
 
 @lru_cache(maxsize=256)
@@ -111,7 +111,7 @@ def _Values(element, points):
     return np.array([np.array(element.CalcShape(*map(float, point))) for point in points])
 
 
-def _Gradients(element, points, dim):
+def Gradients(element, points, dim):
     """(q, m, functions)"""
     values = [np.array(element.CalcDShape(*map(float, point))).reshape(element.ndof, dim).T for point in points]
     return np.array(values)

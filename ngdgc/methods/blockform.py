@@ -162,15 +162,21 @@ class FacetForm:
             np.add.at(result, operators.Dofs(patch.elements), (np.swapaxes(blocks(patch), 1, 2) @ moments)[..., 0])
         return result
 
+    def Jump(self, gfu):
+        """Coefficients in F_h of the jump u+ - u-, on Gamma_D and rollers u - g_D."""
+        operators, vector = self.operators, gfu.vec.FV().NumPy()
+        jump = -sum(self._Data().values(), np.zeros(operators.facetspace.ndof))
+        for patch in operators.FacetPatches():
+            local = vector[operators.Dofs(patch.elements)][..., None]
+            jump[operators.FacetDofs(patch.facets)] += (operators.Jumps(patch) @ local)[..., 0]
+        return jump
+
     @Batched
     def Flux(self, gfu):
         """Coefficients in F_h of the numerical flux sigma_hat n, n the normal that fixes the orientation of the facet."""
         operators, vector = self.operators, gfu.vec.FV().NumPy()
         everywhere = np.ones(len(operators.share), dtype=bool)
-        jump = -sum(self._Data().values(), np.zeros(operators.facetspace.ndof))
-        for patch in operators.FacetPatches():
-            local = vector[operators.Dofs(patch.elements)][..., None]
-            jump[operators.FacetDofs(patch.facets)] += (operators.Jumps(patch) @ local)[..., 0]
+        jump = self.Jump(gfu)
         flux = -self._Penalised(jump, everywhere)
         for patch in operators.FacetPatches():
             dofs, local = operators.FacetDofs(patch.facets), vector[operators.Dofs(patch.elements)][..., None]

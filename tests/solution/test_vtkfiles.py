@@ -4,9 +4,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from bodies import Layers, Perforated
-from netgen.meshing import Element2D, Element3D, FaceDescriptor, MeshPoint, Pnt
-from netgen.meshing import Mesh as Netgen
+from bodies import Layers, Perforated, Pyramids
 from ngsolve import CF, Integrate, Mesh
 from problems import Loaded, Solved
 
@@ -55,18 +53,6 @@ def Mirrored(mesh):
     net = mesh.ngmesh.Copy()
     for point in net.Points():
         point[0] = 1 - point[0]
-    return Mesh(net)
-
-
-def Pyramids():
-    """The unit cube of six pyramids."""
-    net = Netgen(dim=3)
-    corners = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0.5, 0.5, 0.5)]
-    points, region = [net.Add(MeshPoint(Pnt(*corner))) for corner in corners], net.AddRegion("solid", dim=3)
-    for face in [(0, 1, 2, 3), (4, 7, 6, 5), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3), (3, 7, 4, 0)]:
-        base = [points[corner] for corner in face]
-        net.Add(Element3D(region, base + [points[8]]))
-        net.Add(Element2D(net.Add(FaceDescriptor(surfnr=1, domin=1, bc=1)), base[::-1]))
     return Mesh(net)
 
 

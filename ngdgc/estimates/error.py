@@ -1,0 +1,119 @@
+"""The error in the energy norm, from a stress in equilibrium and a continuous displacement."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from ngsolve import ET
+
+from ..contracts import Array
+from ..data.coefficients import VectorsAt
+from ..exceptions import ProblemError
+from ..methods.blockform import FacetForm
+from ..solution.solution import CheckSolution
+from ..tools.calls import ByKeyword
+from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
+from .estimate import ErrorEstimate
+from .lawpart import LawPart
+from .piola import FACTORS
+from .potential import Potential
+
+PARTS = ("stress", "skew", "jumps", "law", "feasibility", "data")
+SIMPLICES = ET.TRIG, ET.TET
+
+
+@ByKeyword
+def EstimateError(solution: Any) -> ErrorEstimate:
+    """The error of a solution of a discontinuous method in the energy norm, as an `ErrorEstimate`.
+
+    With s_h = C eps(u_h), s in equilibrium with the loads (`equilibrated`), v continuous (`potential`), |.| the C^-1 norm:
+
+        value^2 = |sym s - s_h|^2 + |skew s|^2 + |C eps(v) - s_h|^2 + 2 Phi + I^2 + osc^2
+
+    parts : "stress", "skew", "jumps", these three; "law" 2 Phi and "feasibility" I^2, what v and s n lack of the law
+        (`lawpart`); "data" osc^2 = sum_K (h/(pi (k + 1)))^2/(2 mu) |f_1 + div s|^2, 0 where f_1 is in V_h
+    |skew s|^2 : C^-1 of skew matrices is 1/(2 mu); on quadrilaterals, hexahedra and prisms, where one of s_ij and s_ji sees
+        less of a shear than the other, the larger one counts for both
+
+    For linear problems with s symmetric value is a bound (Prager and Synge).  No constant is chosen.  The cost is a small part
+    of that of the solution: no equation is solved.
+
+    Raises ProblemError if the solution has not converged; for H1, which has no numerical flux; for methods of your own that are
+    no rows of facet operators; with forms that were added; for pyramids.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.errors import EnergyError
+    >>> from ngdgc.exact import SmoothSlip
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = SmoothSlip()
+    >>> solution = Solve(Discretization(exact.problem, LDG(), RectangleMesh(4), order=2))
+    >>> 1 < EstimateError(solution).value / EnergyError(solution, exact.displacement) < 1.6
+    True
+    """
+    _Check(solution)
+    with solution.state.Restored():
+        squares = _Squares(solution)
+    indicators: Array = np.sum(list(squares.values()), axis=0)
+    value, size = float(np.sqrt(indicators.sum())), float(np.sqrt(2 * solution.energy))
+    return ErrorEstimate(value=value, relative=value / size if size else value and np.inf, indicators=indicators,
+                         parts={name: float(np.sqrt(square.sum())) for name, square in squares.items()})
+
+
+def _Check(solution: Any) -> None:
+    CheckSolution(solution)
+    disc = solution.disc
+    if not solution.converged:
+        raise ProblemError("the solution has not converged and is not in equilibrium with its traction; give one that has")
+    if not disc.method.conservative:
+        raise ProblemError(f"method {disc.method.name} has no numerical flux that balances every element, from which the error "
+                           "is estimated; take a discontinuous one")
+    if not isinstance(disc.facetform, FacetForm):
+        raise ProblemError(f"method {disc.method.name} has a form of its own; errors are estimated for those whose Form is a "
+                           "FacetForm, as all methods of ngdgc have it")
+    if disc.added:
+        raise ProblemError("forms were added, whose forces the numerical flux does not know; errors are estimated of problems "
+                           "without them")
+    kinds = {group.et for group in disc.facetform.operators.groups} - FACTORS.keys()
+    if kinds:
+        raise ProblemError("the mesh has pyramids, for which no equilibrated stress is known here; take another mesh")
+
+
+def _Squares(solution: Any) -> dict[str, Array]:
+    """{name of a part: (elements,)}."""
+    disc = solution.disc
+    stress, potential = EquilibratedStress(solution), Potential(solution)
+    squares = {name: np.zeros(disc.mesh.ne) for name in PARTS}
+    for batch in stress.Batches():
+        C, elements = batch.group.Stiffness(), batch.group.elements
+        shear = disc.problem.material.ShearAt(batch.points.ravel()).reshape(batch.points.shape)
+        difference = batch.equilibrated - batch.computed
+        squares["stress"][elements] = batch.Integral(Complementary(C, (difference + np.swapaxes(difference, 2, 3)) / 2))
+        squares["skew"][elements] = _Skew(batch, difference, shear)
+        jumps = Stress(C, potential.Gradient(batch.group)) - batch.computed
+        squares["jumps"][elements] = batch.Integral(Complementary(C, jumps))
+        squares["data"][elements] = _Oscillation(disc, batch, shear)
+    for gaps in LawPart(solution, potential, stress):
+        np.add.at(squares["law"], gaps.elements, 2 * gaps.weights * gaps.envelope)
+        np.add.at(squares["feasibility"], gaps.elements, gaps.weights * gaps.infeasible)
+    return squares
+
+
+def _Skew(batch: StressBatch, difference: Array, shear: Array) -> Array:
+    """|skew s|^2/(2 mu) over the elements, (n,); on products of cells max(s_ij^2, s_ji^2) for the mean of both."""
+    total = np.zeros(len(difference))
+    for i in range(difference.shape[2]):
+        for j in range(i):
+            one, other = difference[..., i, j], difference[..., j, i]
+            total += batch.Integral((one - other) ** 2 / (4 * shear))
+            if batch.group.et not in SIMPLICES:
+                total += np.abs(batch.Integral((one ** 2 - other ** 2) / (2 * shear)))
+    return total
+
+
+def _Oscillation(disc: Any, batch: StressBatch, shear: Array) -> Array:
+    """(h/(pi (k + 1)))^2/(2 mu) |f_1 + div s|^2 over the elements: f_1 + div s is orthogonal to V_h, w - Pi_k w is small."""
+    rest = batch.divergence
+    if disc.problem.bodyforce is not None:
+        rest = rest + VectorsAt(disc.problem.bodyforce, batch.points.ravel(), "bodyforce").reshape(rest.shape)
+    return (batch.diameters / (np.pi * (disc.order + 1))) ** 2 * batch.Integral(np.square(rest).sum(axis=2) / (2 * shear))

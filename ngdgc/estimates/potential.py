@@ -1,0 +1,96 @@
+"""A continuous displacement near u_h that keeps what is prescribed.
+
+    v in H1, the average of u_h of the elements around, on Gamma_D the prescribed values, v_n on rollers, and on Gamma_C the
+    average of the elements at Gamma_C alone, so that what penetrates the foundation is not averaged with the inside.
+
+Of a nearly incompressible body, or one of very different materials, an average has stresses that are far off: there sweeps of
+Gauss and Seidel over the stars of vertices follow, for the least |C eps(v) - C eps(u_h)|.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from ngsolve import (H1, VOL, BilinearForm, BoundaryFromVolumeCF, ElementId, GridFunction, InnerProduct, LinearForm, VectorH1,
+                     dx, specialcf)
+
+from ..blocks.integrals import ElementGroup
+from ..blocks.reference import Gradients, ReferenceElement
+from ..contracts import Array
+from ..data.inside import OnBoundary
+from ..linear.solenoidal import Swelling
+from ..mesh.facets import Threads, VolumePoints
+from ..problem.materials import Strain
+
+SWOLLEN, VERY = 5, 100      # `Swelling` from which one sweep, and two, are made: nu = 0.4 and 0.495
+CONTRAST = 10               # of shear moduli, from which one is
+
+
+class Potential:
+    """v of a solution, of order k + 1, with sweeps k + 2.
+
+    gfu : GridFunction in VectorH1
+    """
+
+    def __init__(self, solution: Any) -> None:
+        disc = solution.disc
+        self.mesh, problem = disc.mesh, disc.problem
+        sweeps = _Sweeps(problem.material, self.mesh)
+        self.order = disc.order + (2 if sweeps else 1)
+        fixed = "|".join([*problem.dirichlet, *problem.roller, *(foundation.boundary for foundation in problem.foundation)])
+        self.gfu = GridFunction(VectorH1(self.mesh, order=self.order, dirichlet=fixed))
+        with Threads(self.mesh):
+            self.gfu.Set(solution.gfu)
+            self._Impose(solution)
+            if sweeps:
+                self._Sweep(solution, sweeps)
+        self._scalar = H1(self.mesh, order=self.order)
+
+    def _Impose(self, solution: Any) -> None:
+        problem, n = solution.disc.problem, specialcf.normal(self.mesh.dim)
+        for foundation in problem.foundation:
+            self._Set(BoundaryFromVolumeCF(solution.gfu), foundation.boundary)
+        for region, value in problem.roller.items():
+            value = OnBoundary(value * specialcf.normal(self.mesh.dim), self.mesh.Boundaries(region), f"roller[{region!r}]")
+            self._Set(self.gfu - InnerProduct(self.gfu, n) * n + value, region)
+        for region, value in problem.dirichlet.items():
+            self._Set(OnBoundary(value, self.mesh.Boundaries(region), f"dirichlet[{region!r}]"), region)
+
+    def _Set(self, value: Any, region: str) -> None:
+        other, boundary = GridFunction(self.gfu.space), self.mesh.Boundaries(region)
+        other.Set(value, definedon=boundary)        # elsewhere it is 0
+        there = np.array(self.gfu.space.GetDofs(boundary), dtype=bool)
+        self.gfu.vec.FV().NumPy()[there] = other.vec.FV().NumPy()[there]
+
+    def _Sweep(self, solution: Any, sweeps: int) -> None:
+        space, material = self.gfu.space, solution.disc.problem.material
+        u, v = space.TnT()
+        matrix = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx).Assemble().mat
+        load = LinearForm(InnerProduct(solution.stress, Strain(v)) * dx).Assemble().vec
+        smoother = matrix.CreateBlockSmoother([list(block) for block in space.CreateSmoothingBlocks(blocktype="vertexpatch")])
+        for _ in range(sweeps):
+            smoother.Smooth(self.gfu.vec, load)
+            smoother.SmoothBack(self.gfu.vec, load)
+
+    def Gradient(self, part: ElementGroup) -> Array:
+        """grad v at the points of a part, (n, q, i, j)."""
+        G, _ = part.Geometry()
+        dofs = np.array([self._scalar.GetDofNrs(ElementId(VOL, int(element))) for element in part.elements])
+        vector = self.gfu.vec.FV().NumPy().reshape(part.dim, -1)
+        local = np.swapaxes(vector[:, dofs], 0, 1)      # n i a
+        return part.AtPoints(lambda shape: _Gradients(part.et, self.order, shape), local) @ G
+
+
+def _Sweeps(material: Any, mesh: Any) -> int:
+    swelling, shear = Swelling(material, mesh), material.ShearAt(VolumePoints(mesh, 0))
+    if swelling > VERY:
+        return 2
+    return int(swelling > SWOLLEN or shear.max() > CONTRAST * shear.min())
+
+
+@lru_cache(maxsize=256)
+def _Gradients(et: Any, order: int, shape: ReferenceElement) -> Array:
+    """Reference gradients (q, m, a) of H1 at the points of a ReferenceElement, whose order of vertices it shares."""
+    return Gradients(H1(shape.mesh, order=order).GetFE(ElementId(VOL, 0)), shape.points, shape.dim)

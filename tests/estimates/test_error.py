@@ -1,0 +1,111 @@
+"""The estimate of the energy error, against exact solutions and fine ones."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from ngsolve import CF, x
+from problems import TEN, Example, Solved
+
+from ngdgc import (LDG, BassiEtAl, ContactProblem, CoulombFriction, Discretization, EstimateError, Foundation, HookeMaterial,
+                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, Solve)
+from ngdgc.errors import EnergyError
+from ngdgc.estimates import error, lawpart, potential
+from ngdgc.exact import AffinePatch, SmoothSlip
+from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.traces import ThreeZones
+
+
+def Effectivity(exact, method, mesh, order):
+    solution = Solve(Discretization(exact.problem, method, mesh, order=order))
+    return EstimateError(solution).value / EnergyError(solution, exact.displacement)
+
+
+def UnitMesh(cells, n):
+    return (RectangleMesh if cells in ("triangle", "quad") else BoxMesh)(n, cells=cells)
+
+
+@pytest.mark.parametrize("zone", ["slip", "stick", "open"])
+@pytest.mark.parametrize("cells", ["triangle", "quad", *(pytest.param(cells, marks=pytest.mark.slow)
+                                                         for cells in ("tet", "hex", "prism"))])
+def test_exact_solution_has_no_error(cells, zone):
+    exact = AffinePatch(zone, dim=2 if cells in ("triangle", "quad") else 3, sides="roller")
+    solution = Solved(exact.problem, LDG(), UnitMesh(cells, 2), 1)
+    estimate = EstimateError(solution)
+    # The iteration stops at a law residual of 1e-11, of which the law's part is a root.
+    assert estimate.value < 1e-6 and estimate.indicators.sum() == pytest.approx(estimate.value ** 2)
+    wrong = replace(exact.problem, bodyforce=(0,) * (solution.disc.mesh.dim - 1) + (-1,))
+    assert EstimateError(Solved(wrong, LDG(), UnitMesh(cells, 2), 1)).value > 1e-3      # control: with a load it has one
+
+
+@pytest.mark.parametrize("order", [1, 2, pytest.param(3, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("cells", ["triangle", "quad"])
+@pytest.mark.parametrize("method", [*TEN, NonsymmetricInteriorPenalty()], ids=repr)
+def test_value_is_near_the_error_for_every_method(method, cells, order):
+    # For linear problems and symmetric stresses value is a bound; elements far from the limit and skew parts take some of that.
+    assert 1 < Effectivity(SmoothSlip(), method, UnitMesh(cells, 4), order) < 2.4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("cells, order, most", [("tet", 1, 2.3), ("tet", 2, 2.3), ("hex", 1, 2.3), ("hex", 2, 2.5),
+                                                 ("prism", 2, 2.5)])
+def test_value_is_near_the_error_in_three_dimensions(cells, order, most):
+    assert 0.9 < Effectivity(SmoothSlip(dim=3), LDG(), UnitMesh(cells, 3), order) < most
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", [2.5, 2.5e3, 2.5e6, 2.5e9])
+def test_value_does_not_depend_on_the_stiffness(stiffness):
+    exact = SmoothSlip(stiffness=stiffness)
+    assert 1 < Effectivity(exact, InteriorPenalty(), RectangleMesh(6), 2) < 1.6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("nu", [0.45, 0.499, 0.4999])
+def test_value_does_not_lose_touch_with_nearly_incompressible_bodies(nu, order, monkeypatch):
+    exact = SmoothSlip(mu=2, lam=4 * nu / (1 - 2 * nu))
+    solution = Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(6), order=order))
+    true = EnergyError(solution, exact.displacement)
+    assert 1 < EstimateError(solution).value / true < 3.2
+    if nu > 0.49:
+        monkeypatch.setattr(potential, "_Sweeps", lambda material, mesh: 0)
+        assert EstimateError(solution).value > 4 * true        # control: the average alone
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("method", [LDG(), BassiEtAl(form="lifting")], ids=repr)
+def test_value_where_zones_meet_within_facets(method, order):
+    assert 1 < Effectivity(ThreeZones(), method, RectangleMesh(7), order) < 2.4
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stiffness", [1e-3, 1e-1, 10, 1e6])
+def test_value_on_a_wavy_foundation_against_a_fine_mesh(stiffness):
+    """The edge of contact lies within facets; on soft foundations their energy is much more than that of the body."""
+    foundation = Foundation("bottom", NormalCompliance(stiffness), friction=CoulombFriction(0.3),
+                            gap=0.01 * (1 - 4 * x * (1 - x)))
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.2), foundation, dirichlet={"top": CF((0.003, -0.008))})
+    solution = Solve(Discretization(problem, LDG(), RectangleMesh(5), order=2))
+    fine = Solve(Discretization(problem, LDG(), RectangleMesh(20), order=3))
+    true, estimate = EnergyError(fine, solution.gfu), EstimateError(solution)
+    assert 0.9 < estimate.value / true < 3
+    if stiffness in (1e-3, 1e6):
+        # Control: without envelopes, and with that traction alone, the law's part is far too large.
+        raw = lawpart.LawPart(solution, potential.Potential(solution), error.EquilibratedStress(solution))
+        assert np.sqrt(sum(2 * gaps.weights @ gaps.gap for gaps in raw)) > 3 * true
+
+
+def test_parts_find_what_causes_them():
+    """A load that the mesh does not resolve is in "data", the corner singularity in "stress" where it is."""
+    mesh = RectangleMesh(6)
+    solution = Solved(Example(), InteriorPenalty(), mesh, 2)
+    assert EstimateError(solution).parts["data"] < 1e-9 * np.sqrt(solution.energy)
+    rough = Solved(Example(bodyforce=CF((0, 1000 * x ** 9))), InteriorPenalty(), mesh, 2)
+    assert EstimateError(rough).parts["data"] > 1e-5 * np.sqrt(rough.energy)
+
+
+def test_text_says_value_and_parts():
+    text = str(EstimateError(Solved(Example(), InteriorPenalty(), RectangleMesh(2), 1)))
+    assert all(word in text for word in ("energy error", "of the solution", "stress", "law"))

@@ -36,7 +36,8 @@ def ContactResidual(solution: ContactSolution) -> Array:
     graph = ContactGraph(contact, gamma)
     point = graph.At(graph.Coordinates(contact.Displacement(solution.vector), traction))
     square = np.sum((traction - point.traction) ** 2, axis=1) / gamma
-    return np.bincount(elements, contact.weights * square, minlength=disc.mesh.ne)
+    shares: Any = np.bincount(elements, contact.weights * square, minlength=disc.mesh.ne)
+    return shares
 
 
 def Softest(disc: DiscreteProblem) -> Any:

@@ -71,7 +71,7 @@ class EquilibratedStress:
         turned = np.tile(np.repeat(disc.facets.interfaces.sign, self.operators.facetsizes), disc.mesh.dim)
         self._flux = solution.flux.vec.FV().NumPy() * turned
         self._theta = self.form.theta if self.form.consistent else 0
-        self._jump = self.form.Jump(gfu) if self._theta else None
+        self._jump: Any = self.form.Jump(gfu) if self._theta else None
 
     def Batches(self) -> Iterator[StressBatch]:
         """All elements, each once."""

@@ -51,7 +51,7 @@ class LawGaps:
     infeasible : h/(2 mu) |what of t was replaced|^2
     """
 
-    elements: Array
+    elements: Any
     weights: Array
     gap: Array
     envelope: Array

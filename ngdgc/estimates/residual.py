@@ -141,7 +141,7 @@ class _Residuals:
         tensor = Sym(OuterProduct(jump, self.n))
         return self.order ** 2 / h * InnerProduct(self.material.Stress(tensor), tensor)
 
-    def _On(self, regions: Any) -> Array:
+    def _On(self, regions: Any) -> Any:
         """True for the facets on any of the regions, over facets."""
         return np.any([np.zeros(len(self.disc.facets.neighbours), bool), *map(self.disc.facets.On, regions)], axis=0)
 

@@ -17,7 +17,7 @@ from .contracts import Array
 from .discretization import Discretization
 from .exact import AffinePatch
 from .exceptions import ProblemError
-from .linear.outside import OutsideInverse
+from .linear.outside import Made, OutsideInverse
 from .mesh.facets import Csr, Free, VolumePoints
 from .meshes import UnitMesh
 from .problem.foundation import Foundation
@@ -73,22 +73,20 @@ def CheckInverse(inverter: Any, disc: Any) -> None:
     """
     _Ask(callable(inverter), f"inverse {Short(inverter)} cannot be called",
          "give a function or class that makes an inverse of a matrix, its free dofs and the Discretization")
-    name, matrix, free = NameOf(inverter), disc.matrix, disc.space.FreeDofs()
-    made = inverter(matrix, free, disc)
-    iterates = getattr(inverter, "iterates", False)
-    _AskMembers(made, contracts.InexactInverse if iterates else contracts.Inverse, f"what {name} makes,")
+    name, matrix, iterates = NameOf(inverter), disc.matrix, bool(getattr(inverter, "iterates", False))
+    made = Made(inverter, matrix, disc)
+    made = made.inverse if isinstance(made, OutsideInverse) else made
     b, c, _ = loads = _Loads(disc)
+    watched = OutsideInverse(name, made, matrix, disc)
     if disc.symmetric:
-        x, y = (np.asarray(made.Solve(load.copy())) for load in (b, c))
-        # Other mistakes, such as a wrong shape, are told by what follows.
-        wrong = x.shape == y.shape == b.shape and abs(b @ y - c @ x) > SYMMETRIC * np.linalg.norm(b) * np.linalg.norm(y)
+        x, y = (watched.Unchecked(load) for load in (b, c))
+        wrong = abs(b @ y - c @ x) > SYMMETRIC * np.linalg.norm(b) * np.linalg.norm(y)     # False if not finite
         _Ask(not wrong, f"inverse={name} is not symmetric, as the matrix is",
              "undo every step by its adjoint, or solve more accurately")
-    watched = OutsideInverse(name, made, matrix, disc)
     before = [watched.Solve(load) for load in loads]
     double = matrix.CreateMatrix()
     double.AsVector().data = 2 * matrix.AsVector()
-    half = OutsideInverse(name, inverter(double, free, disc), double, disc)
+    half = OutsideInverse(name, Made(inverter, double, disc), double, disc)
     _Ask(_Same(2 * half.Solve(b), before[0], SYMMETRIC) and _Same(watched.Solve(b), before[0], SYMMETRIC),
          f"inverse={name} solves otherwise after another inverse was made", "keep what belongs to one matrix in the object")
     given = b.copy()

@@ -175,8 +175,8 @@ class InexactInverse(Inverse, Protocol):
 class Inverter(Protocol):
     """What is given as inverse=: a function, or a class, that makes an `Inverse` of NGSolve's matrix and its free dofs.
 
-    It is called for A, and for A + T' W D T with the stiffness D of Gamma_C; the matrix is kept as long as the inverse.  It may
-    have these attributes, else they count as False:
+    It is called for A, and for A + T' W D T with the stiffness D of Gamma_C; the matrix is not changed, and kept as long as the
+    inverse.  Coarser meshes, which only predict, are solved by "auto".  It may have these attributes, else they count as False:
 
     symmetric : it is for symmetric positive definite matrices alone
     iterates : it makes `InexactInverse`s, for symmetric discontinuous methods; contact is then solved in a subspace

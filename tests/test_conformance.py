@@ -73,8 +73,13 @@ def InPlace(inverse, load):
 def test_inverses_that_are_none():
     disc, turn = Disc(), np.linspace(0, 0.1, 48)
     CheckInverse(Changed(lambda inverse, load: inverse.Solve(load)), disc)
+    # One array for all solutions is no mistake.
+    kept = np.zeros(disc.space.ndof)
+    CheckInverse(Changed(lambda inverse, load: np.copyto(kept, inverse.Solve(load)) or kept), disc)
+    Refused("Solve raises ZeroDivisionError", CheckInverse, Changed(lambda inverse, load: 1 / 0), disc)
+    Refused("inverse=<lambda> raises ZeroDivisionError", CheckInverse, lambda *made: 1 / 0, disc)
     Refused("inverse 'splu' cannot be called", CheckInverse, "splu", disc)
-    Refused("what <lambda> makes, int has no Solve", CheckInverse, lambda *made: 3, disc)
+    Refused("inverse=<lambda> makes 3, which has no Solve", CheckInverse, lambda *made: 3, disc)
     Refused("inverse=Own is not symmetric", CheckInverse, Changed(lambda inverse, load: (1 + turn) * inverse.Solve(load)), disc)
     Refused(r"\|A x - b\|", CheckInverse, Changed(lambda inverse, load: 1.01 * inverse.Solve(load)), disc)
     Refused("not finite", CheckInverse, Changed(lambda inverse, load: np.nan * load), disc)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from typing import Any
+from zlib import crc32
 
 import numpy as np
 import scipy.sparse as sp
+from ngsolve import BitArray
 
 from ..contracts import Array, Inverter
 from ..exceptions import ProblemError
@@ -20,12 +22,14 @@ ROUNDOFF = 1e3 * np.finfo(float).eps    # the same relative to |diag(A) x|, what
 def Made(inverter: Inverter, matrix: Any, disc: Any) -> Any:
     """What an Inverter makes of a matrix of a Discretization; an `OutsideInverse` unless the Inverter is the package's own.
 
-    Raises ProblemError if it raises another error, or if what it makes is no `contracts.Inverse`.
+    Raises ProblemError if it raises another error, if it changes the matrix, which is that of the problem, or if what it makes
+    is no `contracts.Inverse`.
     """
-    free = disc.space.FreeDofs()
+    free = BitArray(disc.space.FreeDofs())      # a copy: the space itself has the other one
     if type(inverter).__module__.startswith(f"{__package__}."):
         return inverter(matrix, free, disc)
     name, iterates = NameOf(inverter), bool(getattr(inverter, "iterates", False))
+    before = _Mark(matrix)
     try:
         inverse = inverter(matrix, free, disc)
     except ProblemError:
@@ -33,11 +37,18 @@ def Made(inverter: Inverter, matrix: Any, disc: Any) -> Any:
     except Exception as error:
         raise ProblemError(f"inverse={name} raises {type(error).__name__} ({error}); it is called with NGSolve's matrix, its "
                            "free dofs and the Discretization, and must return an object with Solve(load); mend it") from error
+    if _Mark(matrix) != before:
+        raise ProblemError(f"inverse={name} changes the matrix that it is given, which is that of the problem; work on a copy")
     for member in ("Solve", "iterations") if iterates else ("Solve",):
         if not hasattr(inverse, member):
             raise ProblemError(f"inverse={name} makes {Short(inverse)}, which has no {member}; return an object as "
                                f"contracts.{'InexactInverse' if iterates else 'Inverse'} describes it")
     return OutsideInverse(name, inverse, matrix, disc)
+
+
+def _Mark(matrix):
+    """A number that tells the entries of an NGSolve matrix from others."""
+    return crc32(matrix.AsVector().FV().NumPy())
 
 
 class OutsideInverse:
@@ -54,8 +65,14 @@ class OutsideInverse:
 
     def Solve(self, load: Array, *, tol: float = ACCURATE, **start: Array) -> Array:
         """A^-1 load; tol, and start (ndof,), for those that iterate."""
+        vector = self.Unchecked(load, tol=tol, **start)
+        self._Check(f"inverse={self.name}: Solve", vector, load, max(tol, ACCURATE))
+        return vector
+
+    def Unchecked(self, load: Array, *, tol: float = ACCURATE, **start: Array) -> Array:
+        """The same, of the right shape at least."""
         words = f"inverse={self.name}: Solve"
-        options = {"tol": tol, **start} if start else {}
+        options = {"tol": tol, **{name: vector.copy() for name, vector in start.items()}} if start else {}
         try:
             vector = self.inverse.Solve(load.copy(), **options)
         except ProblemError:
@@ -67,9 +84,7 @@ class OutsideInverse:
         if found.dtype.kind not in "fiu" or found.shape != load.shape:
             raise ProblemError(f"{words} returns shape {found.shape} of type {found.dtype}; give real numbers, an array "
                                f"{load.shape}, zero at the dofs that are not free")
-        vector = np.array(found, dtype=float)
-        self._Check(words, vector, load, max(tol, ACCURATE))
-        return vector
+        return np.array(found, dtype=float)
 
     def _Check(self, words, vector, load, tol):
         if not np.all(np.isfinite(vector)):

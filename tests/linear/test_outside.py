@@ -194,6 +194,40 @@ def test_an_inverse_may_not_work_on_the_load_of_others():
     assert np.array_equal(first, second) and np.all(load == 1) and np.any(first != 1)
 
 
+class Careless(Steepest):
+    """Writes into all that it is given, but what it returns is right."""
+
+    def __init__(self, matrix, free, disc):
+        super().__init__(matrix, free, disc)
+        free.Clear()
+
+    def Solve(self, load, **options):
+        vector = super().Solve(load, **options)
+        load[:] = options.get("start", load)[:] = 7
+        return vector
+
+
+def test_an_inverse_writes_into_copies_but_may_not_change_the_matrix():
+    """Of a continuous method free dofs matter; the matrix is too large for a copy, and a change would be another problem."""
+    def Clearing(matrix, free, disc):
+        inverse = SuperLU(matrix, free, disc)
+        free.Clear()
+        return inverse
+
+    def Doubling(matrix, free, disc):
+        matrix.AsVector().data = 2 * matrix.AsVector()
+        return SuperLU(matrix, free, disc)
+
+    disc = Disc(Clearing, Conforming())
+    assert Distance(disc.Solve(), Disc("auto", Conforming()).Solve()) < 1e-10 and any(disc.space.FreeDofs())
+    disc = Disc(Careless, mesh=BoxMesh(1), dim=3)
+    load, start = np.ones(disc.space.ndof), np.zeros(disc.space.ndof)
+    vector = disc.Iterate(disc.inverse, load, tol=1e-6, start=start)
+    assert np.all(load == 1) and not np.any(start) and np.any(vector)
+    with pytest.raises(ProblemError, match="inverse=Doubling changes the matrix that it is given"):
+        Disc(Doubling).Solve()
+
+
 def test_the_last_check_names_what_has_not_solved_the_equations():
     """One that turns wrong later than it was looked at: the equilibrium of the solution is computed without it."""
     with pytest.MonkeyPatch.context() as patch:

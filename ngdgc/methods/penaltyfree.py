@@ -15,7 +15,7 @@ l = k + 2 nothing depends on lam.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
 import numpy as np
@@ -36,7 +36,8 @@ class PenaltyFreeLDG(DiscontinuousGalerkin):
 
     B_h(u,v) = int C eps_h(u):eps_h(v) - <[u],{C eps(v)}> - <[v],{C eps(u)}> + (C r_0[u], r_0[v]),    without a parameter.
 
-    form : "edge" or "lifting", as for the rows with a penalty
+    form : "edge" or "lifting", as for the rows with a penalty; where the material varies much within elements the edge form is
+        not coercive, which is a ProblemError when its matrix is needed, and the lifting form is
 
     The degree is k + 2 where the volumetric stiffness is more than ten times the shear stiffness, nu = 0.45 in plane strain.
     Source: John, Neilan, Smears, Stable discontinuous Galerkin FEM without penalty parameters, in Numerical Mathematics and
@@ -67,8 +68,11 @@ def Correlation(operators: FacetOperators, lifted: bool) -> Guarantee:
 
     v in V_h(K);  w : jumps on the facets of K, L w their lifting
     lifted : True for b_K(v, w) = int_K C eps(v):L w, the coupling of the lifting form; False for
-        that of the edge form, - int_dK {C eps(v)} n.w, which is the same where C eps(V_h) lies in Q_h
+        that of the edge form, - int_dK {C eps(v)} n.w, which is the same where C eps(V_h) lies in Q_h.  Where it does not there
+        may be jumps that are not lifted and work all the same: no kappa_K bounds that
     """
+    words = {} if lifted else {"culprit": "form='edge' without a penalty, for a material that varies within elements,",
+                               "remedy": "take form='lifting', which is coercive for every material, or LDG()"}
     largest = 0.0
     for star in operators.Stars():
         lift = np.concatenate(operators.Liftings(star), axis=2)
@@ -81,6 +85,6 @@ def Correlation(operators: FacetOperators, lifted: bool) -> Guarantee:
         # On a roller only normal jumps are lifted, and on a rectangle there are tangential ones whose liftings cancel.
         inverse = np.linalg.pinv(energy, rcond=1e-10, hermitian=True)
         if np.abs(coupling - coupling @ inverse @ energy).max() > 1e-8 * np.abs(coupling).max():
-            return UNKNOWN
+            return replace(UNKNOWN, **words)
         largest = max(largest, LargestEigenvalues(coupling @ inverse @ np.swapaxes(coupling, 1, 2), star.group).max())
-    return Bounded(largest)
+    return replace(Bounded(largest), **words)

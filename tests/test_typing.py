@@ -106,8 +106,8 @@ def test_the_package_is_consistent_with_its_own_hints(tmp_path):
     assert done.returncode == 0, done.stdout
 
 
-STRICT = ("contracts", "exceptions", "meshes", "exact", "traces", "errors", "export", "discretization", "problem", "theory",
-          "solution", "plots", "solvers.driver", "studies.convergence", "studies.table3")
+STRICT = ("contracts", "exceptions", "meshes", "exact", "traces", "errors", "export", "discretization", "tools", "data", "mesh",
+          "problem", "theory", "solution", "plots", "solvers.driver", "studies.convergence", "studies.table3")
 
 
 def Strict(module, sections):

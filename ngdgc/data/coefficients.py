@@ -1,8 +1,14 @@
 """Numbers, tuples and CoefficientFunctions as data: one conversion and one check for all of them."""
 
-import numpy as np
-from ngsolve import CF, CoefficientFunction, Parameter
+from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from ngsolve import CF, CoefficientFunction, Mesh, Parameter, Region
+
+from ..contracts import Array
 from ..exceptions import ProblemError
 from ..tools.values import IsNumber, Number
 from .inside import FromInside, OnBoundary
@@ -11,7 +17,7 @@ from .inside import FromInside, OnBoundary
 LOADBONUS = 2       # quadrature degrees for loads and prescribed values that are no polynomials of the displacement's order
 
 
-def Scalar(value, name):
+def Scalar(value: Any, name: str) -> float | CoefficientFunction:
     """A finite float or a scalar CoefficientFunction, else ProblemError."""
     if IsNumber(value):
         if not np.isfinite(number := float(Number(value))):
@@ -26,7 +32,7 @@ def Scalar(value, name):
     return value
 
 
-def Vector(value, name):
+def Vector(value: Any, name: str) -> CoefficientFunction:
     """A CoefficientFunction with 2 or 3 components; a tuple of numbers or CoefficientFunctions, or an array will do."""
     if isinstance(value, (tuple, list)) or isinstance(value, np.ndarray) and value.ndim == 1:
         value = CF(tuple(Scalar(component, f"component {number} of {name}") for number, component in enumerate(value, start=1)))
@@ -39,29 +45,30 @@ def Vector(value, name):
     return value
 
 
-def Unfolded(value):
+def Unfolded(value: Any) -> CoefficientFunction:
     """The same coefficient, kept by NGSolve even where it is zero: an integrand that folds to 0 is an error there."""
     return CF(value) + Parameter(0) * (CF(1) if CF(value).dim == 1 else CF((1,) * CF(value).dim))
 
 
-def OnFacets(problem, kind, region, mesh):
+def OnFacets(problem: Any, kind: str, region: str, mesh: Mesh) -> CoefficientFunction:
     """What a problem prescribes on a region, kind "dirichlet", "roller" or "traction", for integrals ds(skeleton=True)."""
     value = getattr(problem, kind)[region]
     return Unfolded(FromInside(value, mesh.Boundaries(region), f"{kind}[{region!r}]"))
 
 
-def Pointwise(law):
+def Pointwise(law: Any) -> bool:
     """True if some datum of the law is a CoefficientFunction, so that it can be evaluated only at points."""
     return any(isinstance(value, CoefficientFunction) for value in getattr(law, "__dict__", {}).values())
 
 
-def CheckNumber(value, name, *, above=None, least=None):
+def CheckNumber(value: Any, name: str, *, above: float | None = None, least: float | None = None) -> None:
     """Range check of plain numbers; CoefficientFunctions are checked where they are evaluated."""
     if IsNumber(value):
         CheckRange(np.asarray(value), name, above=above, least=least)
 
 
-def CheckRange(values, name, *, above=None, least=None, Where=lambda values, wrong: ""):
+def CheckRange(values: Any, name: str, *, above: float | None = None, least: float | None = None,
+               Where: Callable[[Array, np.ndarray], str] = lambda values, wrong: "") -> None:
     """Raise ProblemError unless all values are finite, > above and >= least; Where(values, mask of wrong ones) says where."""
     values = np.asarray(values)
     if not np.all(np.isfinite(values)):
@@ -73,7 +80,7 @@ def CheckRange(values, name, *, above=None, least=None, Where=lambda values, wro
         raise ProblemError(f"{name} is {values.min():g}; it must be at least {least:g}")
 
 
-def ValuesAt(value, points, name, region=None):
+def ValuesAt(value: Any, points: np.ndarray, name: str, region: Region | None = None) -> Array:
     """Values of a number or scalar CoefficientFunction at mesh points, as a finite array (npoints,).
 
     region : mesh.Boundaries(...), for points on it; the values there are those inside the body
@@ -81,7 +88,7 @@ def ValuesAt(value, points, name, region=None):
     return np.full(len(points), float(value)) if IsNumber(value) else VectorsAt(value, points, name, region)[:, 0]
 
 
-def VectorsAt(value, points, name, region=None):
+def VectorsAt(value: Any, points: np.ndarray, name: str, region: Region | None = None) -> Array:
     """Values of a vector CoefficientFunction at mesh points, as a finite array (npoints, d); `region` as for `ValuesAt`."""
     function = value if region is None else OnBoundary(value, region, name)
     try:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ngsolve import CF, Grad, GridFunction, grad, x, y, z
+from ngsolve import CF, CoefficientFunction, Grad, GridFunction, grad, x, y, z
 from ngsolve.comp import GridFunctionCoefficientFunction
 
 from ..exceptions import ProblemError
@@ -48,7 +48,7 @@ def Derivative(value: Any, axis: int, name: str = "the function") -> Any:
     return total
 
 
-def _Functions(value, name):
+def _Functions(value: Any, name: str) -> list[CoefficientFunction]:
     """The different GridFunctions, or operators of GridFunctions, in the tree of a CoefficientFunction."""
     seen, waiting = {}, [value]
     while waiting:
@@ -64,7 +64,7 @@ def _Functions(value, name):
     return [node for node, found in seen.items() if found]
 
 
-def _Slope(function, axis):
+def _Slope(function: CoefficientFunction, axis: int) -> CoefficientFunction:
     if function.dim == 1:
         return grad(function)[axis]
     return CF(tuple(Grad(function)[number, axis] for number in range(function.dim)))

@@ -6,12 +6,17 @@ element inside knows all of that, and its normal is outward.  What lives on the 
 space on surfaces, would count as 0 there; it is carried to functions on facets, which both know.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from ngsolve import (BND, CF, QUAD, SEGM, TRIG, VOL, BoundaryFromVolumeCF, CoefficientFunction, ElementId, FacetFESpace,
-                     GridFunction, IfPos, IntegrationRule)
+from ngsolve import (BND, CF, QUAD, SEGM, TRIG, VOL, BoundaryFromVolumeCF, CoefficientFunction, ElementId, FESpace,
+                     FacetFESpace, GridFunction, IfPos, IntegrationRule, Mesh, Region)
 
+from ..contracts import Array
 from ..exceptions import ProblemError
 from ..tools.formula import Plain
 
@@ -23,7 +28,7 @@ CARRIED = 1e-10     # relative error of a function that facets can carry
 TINY = 1e-300       # what NGSolve reads where nothing was written
 
 
-def FromInside(value, region, name):
+def FromInside(value: Any, region: Region, name: str) -> Any:
     """A CoefficientFunction for integrals ds(skeleton=True) over a region of the boundary, which see the element inside.
 
     value : number or CoefficientFunction;  region : mesh.Boundaries(...);  name : of the datum, for messages
@@ -33,7 +38,7 @@ def FromInside(value, region, name):
     return value if Plain(value) else _Translation(region, name).Of(value)
 
 
-def OnBoundary(value, region, name):
+def OnBoundary(value: Any, region: Region, name: str) -> Any:
     """The same for points of boundary elements, and for NGSolve's `Set` there."""
     value, translation = CF(value), _Translation(region, name)
     if Plain(value):
@@ -43,7 +48,7 @@ def OnBoundary(value, region, name):
     return value if translation.everywhere else BoundaryFromVolumeCF(seen)
 
 
-def CheckMaterials(value, mesh, name):
+def CheckMaterials(value: Any, mesh: Mesh, name: str) -> None:
     """Raise ProblemError for a MaterialCF, also within an expression, that lacks a material of the elements and is 0 there."""
     seen, waiting = {}, [value] if isinstance(value, CoefficientFunction) and not Plain(value) else []
     while waiting:
@@ -57,7 +62,7 @@ def CheckMaterials(value, mesh, name):
         _CheckPieces(children, {element.index for element in mesh.Elements(VOL)}, mesh.GetMaterials(), "material", name)
 
 
-def _CheckPieces(children, numbers, names, kind, name):
+def _CheckPieces(children: Sequence[Any], numbers: Iterable[int], names: Sequence[str], kind: str, name: str) -> None:
     """Raise ProblemError unless a function given by materials or boundaries is given on those of these numbers."""
     missing = [number for number in numbers if number >= len(children) or children[number] is None]
     if missing:
@@ -70,17 +75,18 @@ class _Translation:
     everywhere : False once a function was met whose value depends on what it is seen from
     """
 
-    def __init__(self, region, name):
+    def __init__(self, region: Region, name: str) -> None:
         self.mesh, self.region, self.name = region.mesh, region, name
-        self.everywhere, self._known = True, {}
+        self.everywhere = True
+        self._known: dict[CoefficientFunction, CoefficientFunction] = {}
 
-    def Of(self, node):
+    def Of(self, node: CoefficientFunction) -> CoefficientFunction:
         """A node as the element inside sees it, itself if that needs no change."""
         if node not in self._known:
             self._known[node] = self._Translated(node)
         return self._known[node]
 
-    def _Translated(self, node):
+    def _Translated(self, node: CoefficientFunction) -> CoefficientFunction:
         if isinstance(node, GridFunction):
             return self._Function(node, node)
         kind, children = Parts(node)
@@ -98,7 +104,7 @@ class _Translation:
             return node if new is functions[0] else new
         return self._Replaced(node, functions)
 
-    def _CheckLeaf(self, node):
+    def _CheckLeaf(self, node: CoefficientFunction) -> None:
         """Raise ProblemError for a function that NGSolve does not take apart and that is 0 inside but not on the boundary."""
         self.everywhere, points = False, self._Points(1)
         inside, above = (_Values(function, points) for function in (BoundaryFromVolumeCF(node), node))
@@ -106,7 +112,7 @@ class _Translation:
             raise ProblemError(f"{self.name} contains a function with values on boundary elements only; give one that has "
                                "values in the elements too")
 
-    def _Replaced(self, node, functions):
+    def _Replaced(self, node: CoefficientFunction, functions: Sequence[CoefficientFunction]) -> CoefficientFunction:
         changed = {child: new for child in functions if (new := self.Of(child)) is not child}
         if not changed:
             return node
@@ -117,17 +123,17 @@ class _Translation:
                                "with sums, products and IfPos, and without Compile") from error
 
     @cached_property
-    def _elements(self):
+    def _elements(self) -> list[tuple[Any, int]]:
         """(boundary element, number of the element inside) over the region."""
         elements = list(self.region.Elements())
         sides = [(element.edges if self.mesh.dim == 2 else element.faces)[0] for element in elements]
         return [(element, self.mesh[side].elements[0].nr) for element, side in zip(elements, sides)]
 
-    def _Points(self, order):
+    def _Points(self, order: int) -> np.ndarray:
         rules = {et: IntegrationRule(et, order) for et in ((SEGM,) if self.mesh.dim == 2 else (TRIG, QUAD))}
         return self.mesh.MapToAllElements(rules, self.region)
 
-    def _InsideError(self, node):
+    def _InsideError(self, node: CoefficientFunction) -> str | None:
         """What NGSolve says to a value inside the element at the first boundary element, or None."""
         point = self._Points(0)[:1].copy()
         point["VorB"], point["nr"] = 0, self._elements[0][1]
@@ -139,7 +145,7 @@ class _Translation:
             return str(error)
         return None
 
-    def _Function(self, node, function):
+    def _Function(self, node: CoefficientFunction, function: CoefficientFunction) -> CoefficientFunction:
         """A GridFunction, or a derivative of one."""
         self.everywhere, space = False, function.space
         if space.mesh != self.mesh:     # NGSolve looks up the points, in elements
@@ -156,7 +162,7 @@ class _Translation:
                                "as H1 or L2")
         return carried
 
-    def _Carried(self, node, order):
+    def _Carried(self, node: CoefficientFunction, order: int) -> GridFunction | None:
         """The same values from polynomials of this order on facets, or None if they are no such polynomials."""
         flat, components = node.Reshape((node.dim,)), []
         for number in range(node.dim):
@@ -165,9 +171,11 @@ class _Translation:
         carried = CF(tuple(components), dims=tuple(node.dims)) if node.dims else components[0]
         points = self._Points(2 * order + 2)
         found, wanted = _Values(carried, points), _Values(node, points)
-        return carried if wanted is not None and np.abs(found - wanted).max() <= CARRIED * np.abs(wanted).max() else None
+        if found is None or wanted is None:
+            return None
+        return carried if np.abs(found - wanted).max() <= CARRIED * np.abs(wanted).max() else None
 
-    def _Piecewise(self, node, children):
+    def _Piecewise(self, node: CoefficientFunction, children: Sequence[Any]) -> CoefficientFunction:
         """A function that is given by materials, or by boundaries."""
         self.everywhere = False
         bymaterial = "defined on BND" not in (self._InsideError(node) or "")
@@ -184,7 +192,7 @@ class _Translation:
             value = IfPos(self._Indicator(number) - 0.5, self.Of(children[number]), value)
         return value
 
-    def _Indicator(self, number):
+    def _Indicator(self, number: int) -> GridFunction:
         """1 on the facets of the boundary with this number, 0 on others."""
         function = GridFunction(FacetFESpace(self.mesh, order=0))
         dofs = [function.space.GetDofNrs(element)[0] for element, _ in self._elements if element.index == number]
@@ -192,7 +200,7 @@ class _Translation:
         return function
 
 
-def Parts(node):
+def Parts(node: CoefficientFunction) -> tuple[str, list[CoefficientFunction]]:
     """(name of the class, children) of a node; ("", []) for the few that NGSolve cannot store, which have no children."""
     try:
         parts = node.data
@@ -201,7 +209,7 @@ def Parts(node):
     return parts["data"][:80].decode("latin1"), parts["childs"]
 
 
-def _Values(function, points):
+def _Values(function: CoefficientFunction, points: np.ndarray) -> Array | None:
     """Values at mesh points, (n,), or None where NGSolve has none."""
     try:
         return np.asarray(function(points), dtype=float).ravel()
@@ -209,7 +217,7 @@ def _Values(function, points):
         return None
 
 
-def _Defined(space, element):
+def _Defined(space: FESpace, element: Any) -> bool:
     """True if functions of the space have values on an element."""
     try:
         return space.GetFE(element).ndof > 0

@@ -1,23 +1,28 @@
 """Regions of a mesh, which are given as regular expressions over the names of boundaries or materials."""
 
+from __future__ import annotations
+
 import re
+from typing import Any, cast
 
 import numpy as np
+from ngsolve import Mesh
 
 from ..exceptions import ProblemError
 
 
-def RegionName(region, name):
+def RegionName(region: Any, name: str) -> str:
     """A string that is a regular expression, else ProblemError."""
     try:
-        re.compile(region if isinstance(region, str) else None)
+        re.compile(cast(str, region if isinstance(region, str) else None))
     except (TypeError, re.error, RecursionError, OverflowError) as error:
         raise ProblemError(f"{name} region is {region!r}; give a name or a regular expression such as 'left|right' "
                            f"({error})") from None
     return str(region)
 
 
-def Matching(mesh, region, name, *, kind="boundary", there=slice(None), note=""):
+def Matching(mesh: Mesh, region: str, name: str, *, kind: str = "boundary", there: slice = slice(None),
+             note: str = "") -> np.ndarray:
     """True for what a region matches, over the numbers of boundaries or materials (`kind`); ProblemError if that is nothing.
 
     there : numbers of what is part of the body;  note : what it would mean, behind the words that nothing matches

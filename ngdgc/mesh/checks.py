@@ -1,10 +1,13 @@
 """What integrals need of a mesh: maps of elements that do not fold, sides that fit together, boundary elements on sides."""
 
-import numpy as np
-from ngsolve import BND, ET, VERTEX, specialcf
+from __future__ import annotations
 
+import numpy as np
+from ngsolve import BND, ET, VERTEX, Mesh, specialcf
+
+from ..contracts import Array
 from ..exceptions import ProblemError
-from .facets import REFERENCE_VERTICES, SIDEVERTICES, TYPES, ByType, Curved, Vertices, VolumePoints
+from .facets import REFERENCE_VERTICES, SIDEVERTICES, TYPES, ByType, Curved, Facets, Vertices, VolumePoints
 
 ROUNDOFF = 4e-15    # of coordinates, relative to the largest of them
 VANISHES = 1e-10    # a determinant relative to the largest of its element
@@ -13,7 +16,7 @@ BATCH = 1 << 18     # points at which maps are looked at in one go
 INNER = 0.95        # of curved elements: at a corner in the middle of a smooth boundary the determinant is about zero
 
 
-def CheckElements(mesh):
+def CheckElements(mesh: Mesh) -> None:
     """Raise ProblemError if the map of an element folds, its determinant having both signs or none, or sides are identified.
 
     All elements may have the negative sign.  The determinant is looked at once in affine elements, on a lattice with the
@@ -34,12 +37,12 @@ def CheckElements(mesh):
                 _CheckMaps(mesh, middles[rows[some]], Points(et))
 
 
-def _Marked(mesh):
+def _Marked(mesh: Mesh) -> np.ndarray:
     """True for the elements that Netgen knows to be curved."""
     return (mesh.Elements2D() if mesh.dim == 2 else mesh.Elements3D()).NumPy()["curved"]
 
 
-def _CheckCurves(mesh):
+def _CheckCurves(mesh: Mesh) -> None:
     """Refinement leaves straight elements and the order of the curves that were; whether there is a curve a copy tells."""
     order = mesh.GetCurveOrder()
     if order == 1 or mesh.levels == 1 or mesh.ngmesh.GetGeometry() is None or _Marked(mesh.ngmesh).any():
@@ -51,13 +54,13 @@ def _CheckCurves(mesh):
                            f"it was curved; call mesh.Curve({order}) after refinement, or mesh.Curve(1) for straight elements")
 
 
-def Middles(mesh):
+def Middles(mesh: Mesh) -> np.ndarray:
     """One mesh point in every element."""
     points = VolumePoints(mesh, 0)
     return points[np.flatnonzero(np.diff(points["nr"], prepend=-1))]
 
 
-def _Affine(mesh, et, vertices):
+def _Affine(mesh: Mesh, et: ET, vertices: np.ndarray) -> np.ndarray:
     """True for the elements (n, vertices) that are affine images of the reference element, (n,)."""
     if et in (ET.TRIG, ET.TET):
         return np.ones(len(vertices), dtype=bool)
@@ -68,7 +71,7 @@ def _Affine(mesh, et, vertices):
     return np.abs(rest).max(axis=(1, 2), initial=0) <= ROUNDOFF * np.abs(corners).max(initial=0)
 
 
-def Lattice(et, n):
+def Lattice(et: ET, n: int) -> Array:
     """Points (q, 3) of the reference element with n intervals a side, first the origin.
 
     Of a pyramid those of its base: the derivatives of its map are constant along lines through the tip.
@@ -80,13 +83,13 @@ def Lattice(et, n):
     return np.stack([r, s, t], axis=1)[inside]
 
 
-def _Inner(et, n):
+def _Inner(et: ET, n: int) -> Array:
     """The same points a little inside."""
     points = Lattice(et, n)
     return points.mean(axis=0) + INNER * (points - points.mean(axis=0))
 
 
-def _CheckMaps(mesh, middles, reference):
+def _CheckMaps(mesh: Mesh, middles: np.ndarray, reference: Array) -> None:
     """Raise ProblemError unless the determinant has one sign at reference points (q, 3) in the elements of mesh points (n,)."""
     size = max(1, BATCH // len(reference))
     for begin in range(0, len(middles), size):
@@ -109,7 +112,7 @@ def _CheckMaps(mesh, middles, reference):
                                "curved boundaries")
 
 
-def _Determinants(mesh, points):
+def _Determinants(mesh: Mesh, points: np.ndarray) -> tuple[Array, Array]:
     """det dF at mesh points (n, q), and what is round-off of it, (n,)."""
     F = np.asarray(specialcf.JacobianMatrix(mesh.dim, mesh.dim)(points.ravel())).reshape(*points.shape, mesh.dim, mesh.dim)
     columns = np.moveaxis(F, (2, 3), (0, 1))
@@ -123,7 +126,7 @@ def _Determinants(mesh, points):
     return determinants, ROUNDOFF * np.abs(mesh.ngmesh.Coordinates()).max() * length ** (mesh.dim - 1)
 
 
-def _CheckIdentified(mesh):
+def _CheckIdentified(mesh: Mesh) -> None:
     """Identified sides: NGSolve's integrals over facets couple them, half of them, whatever the space."""
     if mesh.GetPeriodicNodePairs(VERTEX):
         pairs = np.array([pair for pair, _ in mesh.GetPeriodicNodePairs(VERTEX)])
@@ -135,7 +138,7 @@ def _CheckIdentified(mesh):
                            "periodic sides, each is free or named in the problem: make the mesh without Identify")
 
 
-def CheckSides(facets):
+def CheckSides(facets: Facets) -> None:
     """Raise ProblemError unless every side belongs to at most two elements, which lie on different sides of it."""
     mesh = facets.mesh
     crowded = np.flatnonzero(facets.neighbours > 2)
@@ -155,7 +158,7 @@ def CheckSides(facets):
                            f"{_Side(facets, facet)}; neighbours must not overlap: remove one of them or move its corners")
 
 
-def _Turn(vertices):
+def _Turn(vertices: np.ndarray) -> np.ndarray:
     """1 or -1 for vertex numbers (n, 2 to 4) around a side: the opposite for those of the same side in opposite order."""
     if vertices.shape[1] == 2:
         return np.where(vertices[:, 0] < vertices[:, 1], 1, -1)
@@ -163,7 +166,7 @@ def _Turn(vertices):
     return np.where(vertices[rows, (first + 1) % count] < vertices[rows, first - 1], 1, -1)
 
 
-def Sides(facets, region):
+def Sides(facets: Facets, region: str) -> np.ndarray:
     """True for the boundary elements of a region that are sides of elements, of several on one side for the first only."""
     numbers, regions, _ = facets.boundary
     rows = np.flatnonzero(np.array(list(facets.mesh.Boundaries(region).Mask()))[regions] & facets.proper)
@@ -172,7 +175,7 @@ def Sides(facets, region):
     return found
 
 
-def CheckBoundary(facets, region):
+def CheckBoundary(facets: Facets, region: str) -> None:
     """Raise ProblemError unless the boundary elements of a region are sides of elements, each once."""
     mesh, (numbers, regions, vertices) = facets.mesh, facets.boundary
     names, wanted = mesh.GetBoundaries(), np.array(list(mesh.Boundaries(region).Mask()))[regions]
@@ -187,7 +190,7 @@ def CheckBoundary(facets, region):
                            "boundary, or name only one of the groups")
 
 
-def CheckSkeleton(facets):
+def CheckSkeleton(facets: Facets) -> None:
     """Raise ProblemError where NGSolve's bilinear forms on ds(skeleton=True) would read an element that is not there."""
     numbers, regions, vertices = facets.boundary
     for row in np.flatnonzero(facets.neighbours[numbers] == 0)[:1]:
@@ -197,11 +200,11 @@ def CheckSkeleton(facets):
                            "in Conforming")
 
 
-def _Around(facets, facet):
+def _Around(facets: Facets, facet: int) -> np.ndarray:
     return facets.incidence.indices[facets.incidence.indptr[facet]:facets.incidence.indptr[facet + 1]]
 
 
-def _Side(facets, facet):
+def _Side(facets: Facets, facet: int) -> str:
     element = _Around(facets, facet)[0]
     vertices = facets.vertices[element]
     sides = SIDEVERTICES[TYPES[facets.mesh.dim][int((vertices >= 0).sum())]]
@@ -209,13 +212,13 @@ def _Side(facets, facet):
     return _Between(facets.mesh, vertices[list(local)])
 
 
-def _Between(mesh, vertices):
+def _Between(mesh: Mesh, vertices: np.ndarray) -> str:
     return "between " + " and ".join(_Point(mesh, vertex) for vertex in vertices if vertex >= 0)
 
 
-def _Corners(mesh, element):
+def _Corners(mesh: Mesh, element: int) -> str:
     return "with corners " + ", ".join(_Point(mesh, vertex) for vertex in Vertices(mesh, mesh.dim)[element] if vertex >= 0)
 
 
-def _Point(mesh, vertex):
+def _Point(mesh: Mesh, vertex: int) -> str:
     return f"({', '.join(f'{c:.4g}' for c in mesh.ngmesh.Coordinates()[vertex][:mesh.dim])})"

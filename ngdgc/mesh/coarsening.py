@@ -6,6 +6,7 @@ Boundary and material regions keep their names and numbers, so that the data of 
 from __future__ import annotations
 
 import sys
+from typing import Any
 
 import numpy as np
 from netgen.geom2d import SplineGeometry
@@ -14,6 +15,7 @@ from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, Integrate, Mesh
 from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 
+from ..contracts import Array
 from .facets import Curved
 
 COARSER = 0.6       # a mesh with more than this part of the elements is no help
@@ -41,7 +43,7 @@ def CoarserMesh(mesh: Mesh, factor: float = 2.0) -> Mesh | None:
     return coarse
 
 
-def _Geometry(mesh):
+def _Geometry(mesh: Mesh) -> Any:
     """The geometry that a mesh was generated from, or None."""
     geometry = mesh.ngmesh.GetGeometry()
     if geometry is None or type(geometry) is NetgenGeometry:
@@ -53,7 +55,7 @@ def _Geometry(mesh):
     return geometry
 
 
-def _Polygon(mesh, factor):
+def _Polygon(mesh: Mesh, factor: float) -> Mesh | None:
     """A mesh of the outline, made of new entities: Netgen makes a region of every side, and the mesh's own may have several."""
     outline = Outline(mesh)
     if outline is None:
@@ -73,7 +75,7 @@ def _Polygon(mesh, factor):
     return Mesh(coarse)
 
 
-def MeshSize(mesh):
+def MeshSize(mesh: Mesh) -> float:
     """Edge length of the equilateral triangles or regular tetrahedra that would fill the body in the same number [length]."""
     volume = Integrate(1, mesh) / mesh.ne
     if mesh.dim == 2:
@@ -81,14 +83,15 @@ def MeshSize(mesh):
     return float((6 * np.sqrt(2) * volume) ** (1 / 3))
 
 
-def Outline(mesh):
+def Outline(mesh: Mesh) -> tuple[SplineGeometry, list[int]] | None:
     """(geometry, numbers of the boundary regions of its sides), or None.
 
     The geometry is the polygon, possibly with holes, that bounds a plane mesh with straight edges and one material.
     """
     if Curved(mesh) or len(mesh.GetMaterials()) > 1:
         return None
-    corners, following = {}, {}
+    corners: dict[int, int | None] = {}
+    following: dict[int, tuple[int, int]] = {}
     points = mesh.ngmesh.Coordinates()[:, :2]
     for element in mesh.Elements(BND):
         neighbours = mesh[element.edges[0]].elements
@@ -121,11 +124,11 @@ def Outline(mesh):
     return geometry, [following[vertex][1] for vertex in corners]
 
 
-def _Cross(a, b):
+def _Cross(a: Array, b: Array) -> Array:
     return a[0] * b[1] - a[1] * b[0]
 
 
-def _Box(mesh, factor):
+def _Box(mesh: Mesh, factor: float) -> Mesh | None:
     """A structured mesh of the box along the axes that a mesh fills, with one boundary region on each side; else None."""
     if Curved(mesh) or len(mesh.GetMaterials()) > 1:
         return None
@@ -133,7 +136,7 @@ def _Box(mesh, factor):
     lower, edges = points.min(axis=0), np.ptp(points, axis=0)
     if abs(Integrate(1, mesh) / np.prod(edges) - 1) > FLAT:
         return None
-    sides = {}
+    sides: dict[tuple[int, int], int] = {}
     for element in mesh.Elements(BND):
         corners = (points[[vertex.nr for vertex in element.vertices]] - lower) / edges
         flat = np.flatnonzero(np.ptp(corners, axis=0) < FLAT)
@@ -147,7 +150,7 @@ def _Box(mesh, factor):
     size = factor * ((2 if mesh.dim == 2 else 6) * np.prod(edges) / mesh.ne) ** (1 / mesh.dim)
     numbers = [max(1, round(edge / size)) for edge in edges]
 
-    def Mapping(*point):
+    def Mapping(*point: float) -> tuple[float, ...]:
         return tuple(a + t * edge for a, t, edge in zip(lower, point, edges))
 
     if mesh.dim == 2:

@@ -1,7 +1,12 @@
 """Named boundaries inside the body, between two elements: which side's outward normal is theirs."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
+from ngsolve import Mesh
 
 
 class Interfaces:
@@ -22,7 +27,7 @@ class Interfaces:
         is none or the facet has no name
     """
 
-    def __init__(self, facets):
+    def __init__(self, facets: Any) -> None:
         self.facets, count = facets, len(facets.neighbours)
         self.sign, self.piece = np.ones(count), np.full(count, -1)
         self.materials = np.full((count, 2), -1)
@@ -48,7 +53,7 @@ class Interfaces:
         self.sign[facet], self.piece[facet] = sign, piece
         self.materials[facet] = np.where(sign[:, None] > 0, materials, materials[:, ::-1])
 
-    def _Behind(self, vertices, elements):
+    def _Behind(self, vertices: np.ndarray, elements: np.ndarray) -> np.ndarray:
         """1 where the element lies behind the facet (on the left in 2D) as its vertices are ordered, else -1."""
         dim, facets = self.facets.mesh.dim, self.facets
         points = facets.mesh.ngmesh.Coordinates()[:, :dim]
@@ -64,14 +69,14 @@ class Interfaces:
         return np.where(np.einsum("ni,ni->n", centre - corner, normal) < 0, 1, -1)
 
 
-def _MaterialRanks(mesh):
+def _MaterialRanks(mesh: Mesh) -> np.ndarray:
     """Place of every element's material in mesh.GetMaterials(), (ne,); parts of one name have one place."""
     names = list(mesh.GetMaterials())
     elements = mesh.ngmesh.Elements2D() if mesh.dim == 2 else mesh.ngmesh.Elements3D()
     return np.array([names.index(name) for name in names])[elements.NumPy()["index"].astype(int) - 1]
 
 
-def _Pieces(vertices, names):
+def _Pieces(vertices: np.ndarray, names: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """(piece, turn) of n facets given by their vertices in order (n, most, filled with -1) and the numbers of their names.
 
     turn is 1 or -1: facets of a piece have coherent orders of vertices after those with -1 are reversed.

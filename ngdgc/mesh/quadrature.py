@@ -1,13 +1,17 @@
 """Quadrature on boundary regions, with outward normals and the points in the elements inside."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from ngsolve import ET, QUAD, SEGM, TRIG, IntegrationRule, specialcf
 
+from ..contracts import Array, Method
 from ..exceptions import ProblemError
 from .checks import Sides
-from .facets import REFERENCE_VERTICES, TYPES, Coordinates
+from .facets import REFERENCE_VERTICES, TYPES, Coordinates, Facets
 
 SAME = 1e-9     # distance of two points that are one, relative to the largest coordinate
 BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
@@ -29,15 +33,15 @@ class BoundaryQuadrature:
     weights: np.ndarray
 
     @property
-    def elements(self):
+    def elements(self) -> np.ndarray:
         return self.inside["nr"]
 
     @property
-    def boundaryelements(self):
+    def boundaryelements(self) -> np.ndarray:
         return self.points["nr"]
 
     @classmethod
-    def On(cls, facets, region, rules, *, side=0):
+    def On(cls, facets: Facets, region: str, rules: Any, *, side: int = 0) -> BoundaryQuadrature:
         """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules.
 
         side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
@@ -85,7 +89,7 @@ class BoundaryQuadrature:
                    normals=normals / np.linalg.norm(normals, axis=1)[:, None])
 
 
-def NodalRules(order):
+def NodalRules(order: int) -> dict[ET, IntegrationRule]:
     """Rules for traces of continuous functions of degree k, {boundary element type: IntegrationRule}.
 
     On edges and quadrilaterals Gauss-Lobatto's k + 1 points in each direction, of degree 2 k - 1; on triangles the vertices for
@@ -101,14 +105,14 @@ def NodalRules(order):
             TRIG: vertices if order == 1 else IntegrationRule(TRIG, 2 * order - 2)}
 
 
-def ReferenceNormal(corners, centre, dim):
+def ReferenceNormal(corners: Array, centre: Array, dim: int) -> Array:
     """Normal of a facet of the reference element, (dim,), pointing away from its centre; any length."""
     edges = (corners - corners[0])[1:, :dim]
     normal = np.array([edges[0][1], -edges[0][0]]) if dim == 2 else np.cross(edges[0], edges[1])
     return normal * np.sign(normal @ (corners[0] - centre)[:dim])
 
 
-def VertexFunctions(et, s, t):
+def VertexFunctions(et: ET, s: Array, t: Array) -> Array:
     """Values of the vertex functions of a facet's reference element, (points, vertices)."""
     if et == ET.SEGM:
         return np.stack([s, 1 - s], axis=1)
@@ -117,7 +121,7 @@ def VertexFunctions(et, s, t):
     return np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
 
 
-def ContactRules(method, dim, order):
+def ContactRules(method: Method, dim: int, order: int) -> dict[ET, IntegrationRule] | int:
     """Rules of the quadrature on Gamma_C, as for `BoundaryQuadrature.On`.
 
     With more points than traces u_t = 0 at the points of a sticking facet would over-determine u, and t not be unique.  Fewer

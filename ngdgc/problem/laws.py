@@ -106,7 +106,7 @@ class _Ranged:
 
     def CheckData(self, name: str = "") -> None:
         for attribute, limits in self._ranges.items():
-            CheckRange(getattr(self, attribute), name + attribute, **limits)
+            CheckRange(getattr(self, attribute), name + attribute, above=limits.get("above"), least=limits.get("least"))
 
 
 @ByKeyword

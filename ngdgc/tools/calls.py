@@ -39,7 +39,7 @@ def ByKeyword(thing: Public) -> Public:
 
 def _Told(function: Any) -> Any:
     @wraps(function)
-    def Call(*arguments, **keywords):
+    def Call(*arguments: Any, **keywords: Any) -> Any:
         try:
             return function(*arguments, **keywords)
         except Failure:
@@ -51,7 +51,7 @@ def _Told(function: Any) -> Any:
     return Call
 
 
-def _Cause(error, function, arguments, keywords):
+def _Cause(error: Exception, function: Callable[..., Any], arguments: tuple[Any, ...], keywords: dict[str, Any]) -> str | None:
     """Words for arguments that do not fit the signature, or one of the wrong kind; None if a call has failed otherwise."""
     try:
         given = inspect.signature(function).bind(*arguments, **keywords).arguments

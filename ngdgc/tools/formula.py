@@ -1,8 +1,11 @@
 """CoefficientFunctions as one writes them, and objects that hold some: what `repr` shows."""
 
+from __future__ import annotations
+
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
+from typing import Any
 
 import numpy as np
 from ngsolve import CoefficientFunction
@@ -18,7 +21,7 @@ PLAIN = re.compile(r"""coef\ |[-\d.e+]+\*\(|\)|(unary|binary)\ operation\ '[^']*
                        real|dims?=|[-\d.e+x]+|inf|nan|[,\s]""", re.VERBOSE)
 
 
-def Plain(function):
+def Plain(function: Any) -> bool:
     """True if a CoefficientFunction is made of numbers and coordinates alone, which it is not if that cannot be told.
 
     >>> from ngsolve import CF, Parameter, x
@@ -28,7 +31,7 @@ def Plain(function):
     return not PLAIN.sub("", str(function))
 
 
-def Formula(function):
+def Formula(function: Any) -> str:
     """A CoefficientFunction as a formula, `CF(dim=2)` and the like for what is no short one.
 
     NGSolve prints the tree of its operations, a line for each, indented below the operation that takes it.
@@ -50,7 +53,7 @@ def Formula(function):
     return formula if len(formula) <= LONGEST else f"CF(dim={function.dim})" if function.dim > 1 else "CF(...)"
 
 
-def _Tree(lines):
+def _Tree(lines: Iterable[str]) -> Iterator[tuple[str, int]]:
     """(operation, number of its operands), depth first."""
     depths = [len(line) - len(line.lstrip()) for line in lines]
     for number, (line, depth) in enumerate(zip(lines, depths)):
@@ -63,7 +66,7 @@ def _Tree(lines):
         yield name.removeprefix("coef ").removeprefix("N5ngfem24"), operands
 
 
-def _Read(tree):
+def _Read(tree: Iterator[tuple[str, int]]) -> tuple[str, int]:
     """(formula, level) of the next operation and its operands; LookupError for one that is not known."""
     name, count = next(tree)
     operands = [_Read(tree) for _ in range(count)]
@@ -93,12 +96,12 @@ def _Read(tree):
     raise LookupError(name)
 
 
-def _Inside(operand, level):
+def _Inside(operand: tuple[str, int], level: int) -> str:
     text, own = operand
     return text if own >= level else f"({text})"
 
 
-def Described(self, *names):
+def Described(self: Any, *names: str) -> str:
     """A `__repr__` for dataclasses: as they are written, with formulas, without what is None or empty.
 
     names : of the attributes that are shown, all fields by default
@@ -113,11 +116,11 @@ def Described(self, *names):
     return f"{type(self).__name__}({', '.join(words)})"
 
 
-def _Empty(value):
+def _Empty(value: Any) -> bool:
     return isinstance(value, (Mapping, tuple)) and not value
 
 
-def _Value(value):
+def _Value(value: Any) -> str:
     if isinstance(value, CoefficientFunction):
         return Formula(value)
     if isinstance(value, np.ndarray):

@@ -1,12 +1,18 @@
 """Batches of facets and of elements that look alike: the same element types around, the same number of shape functions."""
 
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 from ngsolve import EDGE, FACE, FacetFESpace, NodeId
 
-from ..mesh.facets import SIDES, THREADED, TYPES
+from ..contracts import Array
+from ..mesh.facets import SIDES, THREADED, TYPES, Facets
+from ..problem.materials import AnisotropicMaterial, HookeMaterial
 from ..tools.parallel import Cached
 from .elements import Batches, Equal
 from .integrals import ElementGroup
@@ -23,13 +29,13 @@ class Side:
     sign: np.ndarray        # (n,) 1 where this element fixes the orientation, else -1
 
     @Cached
-    def _parts(self):
+    def _parts(self) -> list[tuple[np.ndarray, ElementGroup, int]]:
         """[(members, their elements, s)]."""
         return [(members, self.group.Part(self.rows[members]), int(self.slots[members[0]])) for members in Equal(self.slots)]
 
-    def Blocks(self, compute):
+    def Blocks(self, compute: Callable[[ElementGroup, int], Array]) -> Array:
         """compute(group, s) of the sides, (n, ...)."""
-        result = None
+        result: Array | None = None
         for members, part, s in self._parts:
             computed = compute(part, s)
             if len(self._parts) == 1:
@@ -37,7 +43,7 @@ class Side:
             if result is None:
                 result = np.empty((len(self.rows), *computed.shape[1:]))
             result[members] = computed
-        return result
+        return cast(Array, result)
 
 
 @dataclass(frozen=True)
@@ -46,7 +52,7 @@ class FacetPatch:
 
     facets: np.ndarray      # (n,)
     elements: np.ndarray    # (n, e), e = 1 or 2
-    sides: tuple            # of Side, one for each column e
+    sides: tuple[Side, ...]     # one for each column e
 
 
 @dataclass(frozen=True)
@@ -62,7 +68,7 @@ class Star:
     rows: np.ndarray
     group: ElementGroup
     elements: np.ndarray
-    arms: tuple
+    arms: tuple[tuple[Side, np.ndarray, Side | None], ...]
 
 
 class Patches:
@@ -75,14 +81,15 @@ class Patches:
     rollers : True for roller facets, over facets;  extra : degrees of quadrature beyond products of two functions
     """
 
-    def __init__(self, material, facets, order, liftorder, share, rollers, extra=0):
+    def __init__(self, material: HookeMaterial | AnisotropicMaterial, facets: Facets, order: int, liftorder: int, share: Array,
+                 rollers: np.ndarray, extra: int = 0) -> None:
         mesh = facets.mesh
         self.mesh, self.dim, self.material, self.facets, self.share = mesh, mesh.dim, material, facets, share
         self.order, self.liftorder, self.many = order, liftorder, mesh.ne > THREADED
         self.groups = list(self._Groups(rollers, extra))
         self._TabulateSides()
 
-    def _Groups(self, rollers, extra):
+    def _Groups(self, rollers: np.ndarray, extra: int) -> Iterator[ElementGroup]:
         nodes, facets = self.facets.vertices, self.facets
         counts = (nodes >= 0).sum(axis=1)
         for count in np.unique(counts):
@@ -91,7 +98,7 @@ class Patches:
             yield ElementGroup(self.mesh, self.material, TYPES[self.dim][count], elements, nodes[elements, :count], numbers,
                                rollers[numbers], self.order, self.liftorder, extra)
 
-    def _TabulateSides(self):
+    def _TabulateSides(self) -> None:
         """The sides of the elements, sorted by facet and element, as arrays; and where the sides of a facet begin."""
         columns, sizes = [], []
         for number, group in enumerate(self.groups):
@@ -106,7 +113,7 @@ class Patches:
         self._first = np.searchsorted(self._facet, np.arange(len(self.share), dtype=np.int32))
         self.facetsizes = self._FacetSizes(np.concatenate(sizes)[order])
 
-    def _FacetSizes(self, sizes):
+    def _FacetSizes(self, sizes: np.ndarray) -> np.ndarray:
         """Scalar dofs of F_h on each facet, from those of the sides in the table."""
         found = np.empty(len(self.share), dtype=np.int64)
         found[self._facet] = sizes
@@ -117,16 +124,16 @@ class Patches:
             found[lost] = [len(space.GetDofNrs(NodeId(kind, int(facet)))) for facet in lost]
         return found
 
-    def _Side(self, numbers):
+    def _Side(self, numbers: np.ndarray) -> Side:
         """The sides with these numbers in the table, all of one group and size."""
         number = int(self._group[numbers[0]])
         return Side(number, self.groups[number], self._row[numbers], self._slot[numbers],
                     np.where(numbers == self._first[self._facet[numbers]], 1.0, -1.0))
 
-    def FacetPatches(self, wanted=None, *, weak=True):
+    def FacetPatches(self, wanted: np.ndarray | None = None, *, weak: bool = True) -> Iterator[FacetPatch]:
         """FacetPatches of the facets of E0, or of those where `wanted` is True; also of others with weak=False."""
-        chosen = (self.share if weak else self.facets.neighbours) > 0
-        chosen = np.flatnonzero(chosen if wanted is None else wanted & chosen)
+        possible = (self.share if weak else self.facets.neighbours) > 0
+        chosen = np.flatnonzero(possible if wanted is None else wanted & possible)
         first, two = self._first[chosen], self.facets.neighbours[chosen] > 1
         second = np.minimum(first + 1, len(self._group) - 1)
         for members in Equal(self._group[first], self._slot[first], np.where(two, self._group[second], -1),
@@ -138,7 +145,7 @@ class Patches:
                 yield FacetPatch(chosen[part], np.stack([self._element[number] for number in numbers], axis=1).astype(np.int64),
                                  tuple(self._Side(number) for number in numbers))
 
-    def Stars(self, wanted=None):
+    def Stars(self, wanted: np.ndarray | None = None) -> Iterator[Star]:
         """Stars of all elements with facets in E0, or of those where `wanted` is True, over elements."""
         for number, group in enumerate(self.groups):
             own, across = self._sidesof[number]
@@ -156,13 +163,13 @@ class Patches:
                         arms.append((self._Side(own[part, s]), group.facets[part, s], beyond))
                     yield Star(number, part, group.Part(part), np.stack(elements, axis=1), tuple(arms))
 
-    def Signs(self, number):
+    def Signs(self, number: int) -> Array:
         """1 where the element fixes the orientation of the facet, else -1, on the sides (n, s) of a group."""
         own, _ = self._sidesof[number]
         return np.where(own == self._first[self.groups[number].facets], 1.0, -1.0)
 
     @cached_property
-    def _sidesof(self):
+    def _sidesof(self) -> list[tuple[np.ndarray, np.ndarray]]:
         """For each group: numbers (n, s) of the elements' sides in the table, and of the sides across, -1 on the boundary."""
         found = [(np.empty(group.facets.shape, dtype=np.int64), np.full(group.facets.shape, -1)) for group in self.groups]
         for number, (own, across) in enumerate(found):

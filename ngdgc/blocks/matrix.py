@@ -6,14 +6,17 @@ NGSolve numbers the dofs of a vector L2 space component by component, and in one
     dof (k, element, a) = k starts[-1] + starts[element] + a;   a row is  (component, neighbour, function)
 """
 
+from __future__ import annotations
+
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import L2, BilinearForm
+from ngsolve import BaseMatrix, BilinearForm, FESpace, L2
 
+from ..contracts import Array
 from ..exceptions import ProblemError
 
 
-def Numbers(starts, patches, dim):
+def Numbers(starts: np.ndarray, patches: np.ndarray, dim: int) -> np.ndarray:
     """Dofs (n, v), v = (k e a), on patches (n, e) of elements or facets, of sizes that are the same in all rows."""
     sizes = np.diff(starts)[patches[0]]                                             # e
     slot = np.tile(np.repeat(np.arange(len(sizes)), sizes), dim)                    # v -> e
@@ -29,7 +32,7 @@ class BlockMatrix:
     reach : 1 for blocks of neighbours, 2 for blocks of neighbours of neighbours as well
     """
 
-    def __init__(self, space, starts, neighbours, reach):
+    def __init__(self, space: FESpace, starts: np.ndarray, neighbours: sp.csr_matrix, reach: int) -> None:
         self.starts, self.dim = starts, space.mesh.dim
         self.native = _Neighbours(space=space) if reach == 1 else _NeighboursOfNeighbours(space)
         graph = (neighbours != 0).astype(np.int32) + sp.identity(neighbours.shape[0], dtype=np.int32, format="csr")
@@ -48,11 +51,11 @@ class BlockMatrix:
             raise ProblemError("NGSolve's matrix has another pattern than the elements' neighbours; take "
                                "assembly='skeleton', which leaves it to NGSolve")
 
-    def _Offsets(self, rows, columns):
+    def _Offsets(self, rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
         """Scalar columns before the block of element `columns` in the rows of element `rows`, arrays of one shape."""
         return self._offsets[np.searchsorted(self._keys, (rows * (len(self.starts) - 1) + columns).ravel())].reshape(rows.shape)
 
-    def Put(self, rows, columns, blocks, *, add=False):
+    def Put(self, rows: np.ndarray, columns: np.ndarray, blocks: Array, *, add: bool = False) -> None:
         """Set blocks (n, (i a), (k b)), or add to them, of distinct pairs of elements (rows, columns); faster than `Add`.
 
         For one i a block is runs (a k) of `width` values b, each of which begins `length` after the one before: the matrix row
@@ -74,7 +77,7 @@ class BlockMatrix:
             else:
                 windows[first[members]] = blocks[members]
 
-    def Add(self, elements, blocks):
+    def Add(self, elements: np.ndarray, blocks: Array) -> None:
         """Add blocks (n, v, v), v = (k e a), of the displacements on patches of elements (n, e)."""
         sizes = np.diff(self.starts)[elements[0]]                                           # e
         slot = np.tile(np.repeat(np.arange(len(sizes)), sizes), self.dim)                   # v -> e
@@ -90,12 +93,12 @@ class BlockMatrix:
         np.add.at(self._values, column.ravel(), blocks.ravel())
 
 
-def _Neighbours(**spaces):
+def _Neighbours(**spaces: FESpace) -> BaseMatrix:
     """A native matrix of zeros with full blocks for pairs of elements across a facet; the spaces have dgjumps=True."""
     return BilinearForm(**spaces, check_unused=False).Assemble().mat
 
 
-def _NeighboursOfNeighbours(space):
+def _NeighboursOfNeighbours(space: FESpace) -> BaseMatrix:
     """The same for neighbours of neighbours as well: a small product, since one row per element stands for all in between."""
     elements = L2(space.mesh, order=0, dgjumps=True)
     return _Neighbours(trialspace=elements, testspace=space) @ _Neighbours(trialspace=space, testspace=elements)

@@ -17,12 +17,17 @@ fixes the orientation.  On a roller w = v_n n and the traction is its normal par
 Shapes of blocks (docs/conventions.md): n patches or stars, v = (k e a) dofs of V_h on them, r = (i b) dofs of F_h on a facet.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
-from ngsolve import L2, FacetFESpace, MatrixValued, specialcf
+from ngsolve import CoefficientFunction, FESpace, FacetFESpace, L2, MatrixValued, specialcf
 
-from .batches import Patches
+from ..contracts import Array
+from .batches import FacetPatch, Patches, Side, Star
+from .integrals import ElementGroup
 from .matrix import BlockMatrix, Numbers
 
 
@@ -30,129 +35,129 @@ class FacetOperators(Patches):
     """The blocks of the operators on batches of facets and elements, computed anew in each batch: none of them are kept."""
 
     @property
-    def normal(self):
+    def normal(self) -> CoefficientFunction:
         return specialcf.normal(self.dim)
 
     @cached_property
-    def facetspace(self):
+    def facetspace(self) -> FESpace:
         """F_h, NGSolve's space."""
         return FacetFESpace(self.mesh, order=self.order) ** self.dim
 
     @cached_property
-    def liftspace(self):
+    def liftspace(self) -> FESpace:
         """Q_h, NGSolve's space."""
         return MatrixValued(L2(self.mesh, order=self.liftorder), symmetric=True)
 
     @cached_property
-    def starts(self):
+    def starts(self) -> np.ndarray:
         """Scalar dofs of V_h: those of element e are starts[e] ... starts[e+1]-1."""
         return self._Starts(lambda group: group.na)
 
     @cached_property
-    def liftstarts(self):
+    def liftstarts(self) -> np.ndarray:
         """Scalar dofs of Q_h."""
         return self._Starts(lambda group: group.nl)
 
-    def _Starts(self, count):
+    def _Starts(self, count: Callable[[ElementGroup], int]) -> np.ndarray:
         sizes = np.zeros(self.mesh.ne, dtype=np.int64)
         for group in self.groups:
             sizes[group.elements] = count(group)
         return np.concatenate([[0], np.cumsum(sizes)])
 
     @cached_property
-    def facetstarts(self):
+    def facetstarts(self) -> np.ndarray:
         """Scalar dofs of F_h."""
         return np.concatenate([[0], np.cumsum(self.facetsizes)])
 
-    def Dofs(self, elements):
+    def Dofs(self, elements: np.ndarray) -> np.ndarray:
         """Dofs (n, v) of V_h on patches of elements (n, patch), ordered component, element, function."""
         return Numbers(self.starts, elements, self.dim)
 
-    def FacetDofs(self, facets):
+    def FacetDofs(self, facets: np.ndarray) -> np.ndarray:
         """Dofs (n, r) of F_h on facets (n,)."""
         return Numbers(self.facetstarts, facets[:, None], self.dim)
 
     @staticmethod
-    def elasticjumps(side):
+    def elasticjumps(side: Side) -> Array:
         """int_e {C sym(mu (x) n)} n.nu from one side, (n, r, r)."""
         return side.Blocks(lambda group, s: group.ElasticJump(s))
 
     @staticmethod
-    def plainjumps(side):
+    def plainjumps(side: Side) -> Array:
         """int_e {sym(mu (x) n)} n.nu from one side, (n, r, r)."""
         return side.Blocks(lambda group, s: group.PlainJump(s))
 
     @staticmethod
-    def inversemass(side):
+    def inversemass(side: Side) -> Array:
         """M_F^-1 of single facets, scalar, (n, b, b)."""
         return side.Blocks(lambda group, s: group.InverseFacetMass(s))
 
     @staticmethod
-    def tracevalues(side):
+    def tracevalues(side: Side) -> Array:
         """M_F^-1 times the traces: u on one side of the facets as coefficients in F_h, (n, r, v)."""
         return side.Blocks(lambda group, s: group.TraceValue(s))
 
-    def _Joined(self, parts):
+    def _Joined(self, parts: Sequence[Array]) -> Array:
         """Blocks (n, r, v) of V_h x F_h on a patch from those of its sides, components first."""
         n, r = parts[0].shape[:2]
         return np.concatenate([part.reshape(n, r, self.dim, -1) for part in parts], axis=3).reshape(n, r, -1)
 
-    def Apply(self, inverse, blocks):
+    def Apply(self, inverse: Array, blocks: Array) -> Array:
         """M^-1 blocks for a scalar inverse (n, b, b) and blocks (n, (i b), ...)."""
         n, r = blocks.shape[:2]
         return (inverse[:, None] @ blocks.reshape(n, self.dim, r // self.dim, -1)).reshape(blocks.shape)
 
-    def SideJump(self, side):
+    def SideJump(self, side: Side) -> Array:
         """The part of M_F^-1 J on one side, (n, r, v)."""
         return self.tracevalues(side) * side.sign[:, None, None]
 
-    def SideTraction(self, side, facets, lifted):
+    def SideTraction(self, side: Side, facets: np.ndarray, lifted: bool) -> Array:
         """The part of S, or of N M_Q^-1 R if `lifted`, on one side of the facets, (n, r, v)."""
-        def Traction(group, s):
+        def Traction(group: ElementGroup, s: int) -> Array:
             return group.LiftedTraction(s) @ (group.inverseliftmass @ group.stress) if lifted else group.Traction(s)
 
         return side.Blocks(Traction) * (self.share[facets] * side.sign)[:, None, None]
 
-    def JumpBlocks(self, patch):
+    def JumpBlocks(self, patch: FacetPatch) -> Array:
         """J, (n, r, v)."""
         return self._Joined([side.Blocks(lambda group, s: group.Trace(s)) * side.sign[:, None, None] for side in patch.sides])
 
-    def Jumps(self, patch):
+    def Jumps(self, patch: FacetPatch) -> Array:
         """M_F^-1 J: the jump as coefficients in F_h, (n, r, v)."""
         return self._Joined([self.SideJump(side) for side in patch.sides])
 
-    def Tractions(self, patch, lifted):
+    def Tractions(self, patch: FacetPatch, lifted: bool) -> Array:
         """S, or N M_Q^-1 R if `lifted`, (n, r, v)."""
         return self._Joined([self.SideTraction(side, patch.facets, lifted) for side in patch.sides])
 
-    def LocalEnergy(self, patch):
+    def LocalEnergy(self, patch: FacetPatch) -> Array:
         """(C r_e(mu), r_e(nu)), (n, r, r)."""
-        def Energy(group, s):
+        def Energy(group: ElementGroup, s: int) -> Array:
             lifting = group.LiftedTraction(s) @ group.inverseliftmass
             return lifting @ group.weightedliftmass @ np.swapaxes(lifting, 1, 2)
 
         return self._OfSides(patch, Energy)
 
-    def LocalSquare(self, patch):
+    def LocalSquare(self, patch: FacetPatch) -> Array:
         """(r_e(mu), r_e(nu)), (n, r, r)."""
-        def Square(group, s):
+        def Square(group: ElementGroup, s: int) -> Array:
             traction = group.LiftedTraction(s)
             return traction @ group.inverseliftmass @ np.swapaxes(traction, 1, 2)
 
         return self._OfSides(patch, Square)
 
-    def _OfSides(self, patch, product):
+    def _OfSides(self, patch: FacetPatch, product: Callable[[ElementGroup, int], Array]) -> Array:
         share = self.share[patch.facets]
         return sum(share[:, None, None] ** 2 * side.Blocks(product) for side in patch.sides)
 
-    def Liftings(self, star):
+    def Liftings(self, star: Star) -> list[Array]:
         """-M_Q^-1 N' : the liftings of traces on the star's facets as coefficients in Q_h, [(n, (c p), r)] over its arms."""
         return [-star.group.inverseliftmass @ np.swapaxes(side.Blocks(lambda group, s: group.LiftedTraction(s)), 1, 2)
                 * (self.share[facets] * side.sign)[:, None, None] for side, facets, _ in star.arms]
 
-    def GlobalLifting(self, star):
+    def GlobalLifting(self, star: Star) -> Array:
         """r_0([u]) on the star's elements from the displacements on the star, (n, (c p), v)."""
-        here, beyond = 0, []
+        here, beyond = np.zeros(()), []
         for lift, (own, _, other) in zip(self.Liftings(star), star.arms):
             here = here + lift @ self.SideJump(own)
             if other is not None:
@@ -160,7 +165,7 @@ class FacetOperators(Patches):
         return self._Joined([here, *beyond])
 
     @cached_property
-    def contains(self):
+    def contains(self) -> bool:
         """True if C eps(V_h) lies in Q_h, as far as the facets see: then edge form and lifting form are the same."""
         difference = largest = 0.0
         for group in (group.samples for group in self.groups):
@@ -172,7 +177,7 @@ class FacetOperators(Patches):
         # Round-off of products of matrices with entries of different size.
         return difference <= 1e-10 * largest
 
-    def EdgeCoupling(self, group):
+    def EdgeCoupling(self, group: ElementGroup) -> Array | None:
         """sum_e m_e S_e' G_e^-1 S_e on elements, (n, v, v), m_e = 2 between elements and 1 on the boundary, or None.
 
         S_e are the element's own tractions in the averages, G_e the local lifting energy of a facet: by Young's inequality
@@ -195,6 +200,6 @@ class FacetOperators(Patches):
             total[weak] += np.swapaxes(tractions, 1, 2) @ inverse @ tractions / share[weak, None, None]
         return total
 
-    def Matrix(self, space, reach):
+    def Matrix(self, space: FESpace, reach: int) -> BlockMatrix:
         """An empty BlockMatrix on V_h = space."""
         return BlockMatrix(space, self.starts, self.facets.adjacency, reach)

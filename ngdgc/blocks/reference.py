@@ -4,19 +4,23 @@ NGSolve's functions depend on the element type and on the order of its global ve
 share both share these arrays.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from netgen.meshing import Element1D, Element2D
 from netgen.meshing import Mesh as NetgenMesh
 from ngsolve import BND, ET, L2, VOL, ElementId, FacetFESpace, IntegrationRule, Mesh
 
+from ..contracts import Array
 from ..mesh.facets import REFERENCE_VERTICES
 from ..mesh.quadrature import ReferenceNormal, VertexFunctions
 
 # Vertices of the facets of an element type, in any order.
-FACETS = {
+FACETS: dict[ET, list[tuple[int, ...]]] = {
     ET.TRIG: [(0, 1), (1, 2), (2, 0)],
     ET.QUAD: [(0, 1), (1, 2), (2, 3), (3, 0)],
     ET.TET: [(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)],
@@ -51,7 +55,7 @@ class ReferenceElement:
     constant : True if all gradients are constant;  mesh : NGSolve's mesh of one element
     """
 
-    def __init__(self, et, rank, order, liftorder, bonus):
+    def __init__(self, et: ET, rank: np.ndarray, order: int, liftorder: int, bonus: int) -> None:
         self.dim = 2 if et in (ET.TRIG, ET.QUAD) else 3
         self._vertices = np.array(REFERENCE_VERTICES[et], dtype=float).reshape(len(rank), -1)
         self.mesh = mesh = self._Mesh(et, rank)
@@ -71,7 +75,7 @@ class ReferenceElement:
         gradients = np.concatenate([self.dv, *(facet.dv for facet in self.facets)])
         self.constant = bool(np.ptp(gradients, axis=0).max() <= 1e-14 * np.abs(gradients).max())
 
-    def _Mesh(self, et, rank):
+    def _Mesh(self, et: ET, rank: np.ndarray) -> Mesh:
         mesh = NetgenMesh()
         mesh.dim = self.dim
         points = np.zeros((len(rank), 3))
@@ -85,7 +89,7 @@ class ReferenceElement:
             mesh.Add({2: Element1D, 3: Element2D}[self.dim](index=side, vertices=vertices))
         return Mesh(mesh)
 
-    def _Facet(self, element, rank, degree, v, p, mu):
+    def _Facet(self, element: Any, rank: np.ndarray, degree: int, v: Any, p: Any, mu: Any) -> FacetShapes:
         rule = IntegrationRule(element.type, degree)
         points, weights = _Points(rule)
         corners = self._vertices[[list(rank).index(vertex.nr) for vertex in element.vertices]]
@@ -95,23 +99,26 @@ class ReferenceElement:
                            Gradients(v, inside, self.dim), _Values(p, inside), _Values(mu, points))
 
 
+Shapes = ReferenceElement | FacetShapes
+
+
 @lru_cache(maxsize=256)
-def Reference(et, rank, order, liftorder, bonus):
+def Reference(et: ET, rank: tuple[int, ...], order: int, liftorder: int, bonus: int) -> ReferenceElement:
     """The ReferenceElement of these arguments, `rank` as a tuple; made once."""
     return ReferenceElement(et, np.array(rank), order, liftorder, bonus)
 
 
-def _Points(rule):
+def _Points(rule: IntegrationRule) -> tuple[Array, Array]:
     points = np.array(rule.points, dtype=float).reshape(len(rule.weights), -1)
     return np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), np.array(rule.weights)
 
 
-def _Values(element, points):
+def _Values(element: Any, points: Array) -> Array:
     """(q, functions)"""
     return np.array([np.array(element.CalcShape(*map(float, point))) for point in points])
 
 
-def Gradients(element, points, dim):
+def Gradients(element: Any, points: Array, dim: int) -> Array:
     """(q, m, functions)"""
     values = [np.array(element.CalcDShape(*map(float, point))).reshape(element.ndof, dim).T for point in points]
     return np.array(values)

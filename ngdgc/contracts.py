@@ -209,21 +209,50 @@ class LinearProblem(Protocol):
     inverse : A^-1;  solves, cycles, factorisation : what inverses have cost
     """
 
-    matrix: Any
-    mesh: Any
-    problem: Any
-    order: int
-    load: Any
-    prescribed: Any
-    contact: Any
-    shift: Any
-    motions: Any
-    unresisted: Any
-    resultant: Any
-    inverse: Any
-    solves: int
-    cycles: int
-    factorisation: float
+    @property
+    def matrix(self) -> Any: ...
+
+    @property
+    def mesh(self) -> Any: ...
+
+    @property
+    def problem(self) -> Any: ...
+
+    @property
+    def order(self) -> int: ...
+
+    @property
+    def load(self) -> Any: ...
+
+    @property
+    def prescribed(self) -> Any: ...
+
+    @property
+    def contact(self) -> Any: ...
+
+    @property
+    def shift(self) -> Any: ...
+
+    @property
+    def motions(self) -> Any: ...
+
+    @property
+    def unresisted(self) -> Any: ...
+
+    @property
+    def resultant(self) -> Any: ...
+
+    @property
+    def inverse(self) -> Any: ...
+
+    @property
+    def solves(self) -> int: ...
+
+    @property
+    def cycles(self) -> int: ...
+
+    @property
+    def factorisation(self) -> float: ...
 
     def Multiply(self, vector: Array) -> Array: ...
 

@@ -7,22 +7,25 @@ body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem read
 from __future__ import annotations
 
 from copy import copy
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import VOL, ElementId
+from ngsolve import VOL, ElementId, FESpace
 
 from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..exceptions import ProblemError
+from ..mesh.facets import Facets
 from ..mesh.quadrature import BoundaryQuadrature
+from ..problem.problem import ContactProblem
 from .parts import CheckFinite, ContactPart, OverParts
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
 CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
 
 
-def Scale(vectors):
+def Scale(vectors: Array) -> float:
     """Largest length of vectors (n, d), or 1 if all vanish."""
     return np.linalg.norm(vectors, axis=1).max(initial=0) or 1.0
 
@@ -46,7 +49,7 @@ class ContactBoundary:
     parts : list of `ContactPart`, one for each foundation, in the order of the points
     """
 
-    def __init__(self, problem, facets, space, scalar, rules):
+    def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any) -> None:
         # Over the quadrature points of all foundations, which are the pairs; then over the n contact points.
         pieces = [BoundaryQuadrature.On(facets, foundation.boundary, rules) for foundation in problem.foundation]
         points, inside, coordinates, normals, weights, self.boundaryelements = (
@@ -67,17 +70,17 @@ class ContactBoundary:
         self.flexibility = np.ptp(self.coordinates, axis=0).max() / problem.material.ShearAt(self.inside).min()
         self.gap = np.empty(len(self.weights))
         self.parts = []
-        for number, foundation in enumerate(problem.foundation):
-            here = slice(*np.searchsorted(owner, [number, number + 1]))
+        for place, foundation in enumerate(problem.foundation):
+            here = slice(*np.searchsorted(owner, [place, place + 1]))
             region = facets.mesh.Boundaries(foundation.boundary)
             self.gap[here] = ValuesAt(foundation.gap, points[here], f"foundation {foundation.boundary!r}: gap", region)
             self.parts.append(ContactPart.On(foundation, here, points[here], region))
 
     @property
-    def dim(self):
+    def dim(self) -> int:
         return self.normals.shape[1]
 
-    def Within(self, prolongation):
+    def Within(self, prolongation: sp.csr_matrix) -> ContactBoundary:
         """The same points and laws for displacements P x, from their coefficients x; P scipy (ndof, unknowns)."""
         other = copy(self)
         other.trace = self.trace @ prolongation
@@ -118,7 +121,7 @@ class ContactBoundary:
         """|u_t|, (n,) [length]."""
         return np.linalg.norm(self.Tangential(displacement), axis=1)
 
-    def _Finite(self, method, values, at, word="penetration"):
+    def _Finite(self, method: str, values: Array, at: Array, word: str = "penetration") -> Array:
         CheckFinite(self.parts, method, values, at, word)
         return values
 
@@ -142,7 +145,7 @@ class ContactBoundary:
         return self.trace.T @ (self.weights[:, None] * traction).ravel()
 
 
-def SharedPoints(traces, normals, owner):
+def SharedPoints(traces: sp.csr_matrix, normals: Array, owner: np.ndarray) -> np.ndarray:
     """The number of its contact point for every quadrature point, (n,), ascending with the first quadrature point of each.
 
     Points are one if all displacements agree there, on facets of the same foundation (`owner`, (n,)) that form no corner.
@@ -158,7 +161,7 @@ def SharedPoints(traces, normals, owner):
     return np.argsort(np.argsort(first))[number]
 
 
-def TraceMatrix(space, scalar, points):
+def TraceMatrix(space: FESpace, scalar: FESpace, points: np.ndarray) -> sp.csr_matrix:
     """The sparse matrix that maps coefficients in `space` to values at volume mesh points, row n d + i for component i.
 
     `scalar` is the space of one component; NGSolve numbers the dofs of an element component after component.
@@ -175,5 +178,5 @@ def TraceMatrix(space, scalar, points):
             rows.append(np.full(len(shape), number * dim + component))
             columns.append(dofs[component])
             entries.append(shape)
-    shape = (len(points) * dim, space.ndof)
-    return sp.csr_matrix((np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+    return sp.csr_matrix((np.concatenate(entries), (np.concatenate(rows), np.concatenate(columns))),
+                         shape=(len(points) * dim, space.ndof))

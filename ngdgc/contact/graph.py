@@ -13,11 +13,16 @@ and where it nearly is none (p_n' -> infinity).  With u = U(q), t = t(q):
     slip      otherwise:                  |u_t| = s from p_t(r, p, s) + gamma s = |q_t|, t_t = p_t q_t/|q_t|
 """
 
+from __future__ import annotations
+
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from ..contracts import Array
 from ..exceptions import ProblemError
+from .boundary import ContactBoundary
 from .parts import CheckFinite, ContactPart, OverParts
 from .resolvent import Share
 
@@ -40,15 +45,15 @@ class GraphPoint:
 class ContactGraph:
     """The laws of a ContactBoundary, parametrised with the scale gamma, a number or (n,) [stress/length]."""
 
-    def __init__(self, contact, scale):
+    def __init__(self, contact: ContactBoundary, scale: float | Array) -> None:
         self.contact = contact
         self.scale = np.broadcast_to(np.asarray(scale, dtype=float), contact.weights.shape)
 
-    def Coordinates(self, displacement, traction):
+    def Coordinates(self, displacement: Array, traction: Array) -> Array:
         """q = t + gamma u, (n, d) [stress]."""
         return traction + self.scale[:, None] * displacement
 
-    def At(self, q):
+    def At(self, q: Array) -> GraphPoint:
         """The GraphPoint of q (n, d); raises ProblemError if a law returns a value that is not finite."""
         contact, scale, normals = self.contact, self.scale, self.contact.normals
         qn = contact.Normal(q)
@@ -85,7 +90,7 @@ class ContactGraph:
         derivative[still] = (dp[:, None, None] * normal + np.eye(contact.dim) - normal)[still]
         return GraphPoint(q, displacement, traction, derivative, zones)
 
-    def _CheckFinite(self, q, r, slip, values):
+    def _CheckFinite(self, q: Array, r: Array, slip: Array, values: Mapping[str, Array]) -> None:
         if not np.all(np.isfinite(q)):
             raise ProblemError("displacement and traction of a contact point are not finite; look for data of extreme size")
         sought = (self.contact.Normal(q) / self.scale) - self.contact.gap       # of a law that is finite nowhere
@@ -108,7 +113,7 @@ class GraphDistance:
     friction: np.ndarray
 
 
-def Scales(contact, displacement, traction):
+def Scales(contact: ContactBoundary, displacement: Array, traction: Array) -> tuple[float, float]:
     """(u_s, t_s): t_s = max |t|, and u_s = max |u| or, if that is more, what t_s would do to the body, t_s L/mu.
 
     On a stiff foundation with friction u alone tends to zero on all of Gamma_C and would be no scale.
@@ -118,7 +123,7 @@ def Scales(contact, displacement, traction):
     return uscale or 1.0, tscale or 1.0
 
 
-def Distance(contact, displacement, traction):
+def Distance(contact: ContactBoundary, displacement: Array, traction: Array) -> GraphDistance:
     """How far displacement and traction (n, d) at the contact points are from the law; the same for soft and stiff foundations.
 
     Along (*) with gamma = t_s/u_s both coordinates of the graph are reached at once, and what is left, |u - U(q)|/u_s =
@@ -159,11 +164,11 @@ def Distance(contact, displacement, traction):
     return GraphDistance(distance, zones, pressure, np.where(limit[:, None] > 0, friction, 0))
 
 
-def _Outer(a, b):
+def _Outer(a: Array, b: Array) -> Array:
     return a[:, :, None] * b[:, None, :]
 
 
-def CheckEnds(contact, displacement, traction):
+def CheckEnds(contact: ContactBoundary, displacement: Array, traction: Array) -> None:
     """Raise ProblemError if displacement and traction (n, d) are where a law has ended.
 
     Beyond the last penetration, or slip, at which a law is finite its graph goes on as that of a rigid wall, so that iterations

@@ -92,14 +92,14 @@ class ContactPart:
             bound = self.Bound(*self.NormalPoint(gamma, q)[:2])
             _RaiseWhere(f"{LawName(self.friction)}.Coefficient", "slip", *self._Slip(gamma, bound, length))
 
-    def _Depth(self, gamma, q):
+    def _Depth(self, gamma: Array, q: Array) -> tuple[Array, np.ndarray]:
         return Resolvent(self.Pressure, self.PressureDerivative, gamma, q)
 
-    def _Slip(self, gamma, bound, length):
+    def _Slip(self, gamma: Array, bound: Array, length: Array) -> tuple[Array, np.ndarray]:
         return Resolvent(lambda s: bound * self.SlipFactor(s)[0], lambda s: bound * self.SlipFactor(s)[1], gamma, length)
 
 
-def _RaiseWhere(method, word, values, ended):
+def _RaiseWhere(method: str, word: str, values: Array, ended: np.ndarray) -> None:
     if np.any(ended):
         raise ProblemError(f"{method} is not finite beyond {word} {values[ended].min():.6g}, and more would be needed: the law "
                            f"ends there; give it values for larger {word}s, or make the loads smaller")

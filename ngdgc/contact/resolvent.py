@@ -1,18 +1,25 @@
 """One scalar equation at every point of Gamma_C: where a line meets the graph of a law, however steep that is."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+
 import numpy as np
+
+from ..contracts import Array
 
 STEPS = 200     # of the safeguarded iteration for one scalar equation; bisection alone needs 60
 MISSED = 1e-9   # of the scalar equation, relative: more is no round-off, its value jumps
 
 
-def Share(slope, gamma):
+def Share(slope: Array, gamma: Array) -> Array:
     """slope/(gamma + slope), the share of q that is traction, also for a slope that is infinite: nothing cancels."""
     with np.errstate(divide="ignore"):
         return 1 / (1 + gamma / slope)
 
 
-def Resolvent(Value, Derivative, gamma, q):
+def Resolvent(Value: Callable[[Array], Array], Derivative: Callable[[Array], Array], gamma: Array,
+              q: Array) -> tuple[Array, np.ndarray]:
     """(x, ended): x >= 0 with Value(x) + gamma x = q where q > Value(0), else min(q, 0)/gamma.
 
     By Newton's iteration inside a bracket.  Arguments and results are arrays (n,); Value >= 0.  A value that is not finite

@@ -1,17 +1,22 @@
 """How stiff body and foundation are at a point of Gamma_C."""
 
+from __future__ import annotations
+
 import numpy as np
+
+from ..contracts import Array, LinearProblem
+from .graph import GraphPoint
 
 CAP = 100       # largest stiffness of the foundation that goes into a matrix, in units of the body's at the scale of a facet
 
 
-def BodyStiffness(disc):
+def BodyStiffness(disc: LinearProblem) -> Array:
     """gamma (n,) [stress/length]: what the body opposes to a traction on one facet of diameter h, 2 mu k/h."""
     contact = disc.contact
     return 2 * disc.order * disc.problem.material.ShearAt(contact.inside) / contact.measures ** (1 / (contact.dim - 1))
 
 
-def LawStiffness(point, scale, normals, *, sticking=CAP):
+def LawStiffness(point: GraphPoint, scale: Array, normals: Array, *, sticking: float | Array = CAP) -> Array:
     """D (n, d, d) [stress/length]: the slope dt/du of the law at points of its graph, between 0 and CAP gamma.
 
     Without the coupling of friction to the penetration, which is not symmetric.
@@ -28,6 +33,6 @@ def LawStiffness(point, scale, normals, *, sticking=CAP):
     return (scale * _Capped(share, CAP))[:, None, None] * normal + along
 
 
-def _Capped(share, cap):
+def _Capped(share: Array, cap: float | Array) -> Array:
     """D/gamma of a share dt/dq = D/(gamma + D), at most `cap`."""
     return share / (1 - share + share / cap)

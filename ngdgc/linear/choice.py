@@ -9,6 +9,11 @@ iterative : preconditioned conjugate gradients (`conjugategradients` module), in
 Each name stands for an Inverter of the package (`contracts`); any other one may be given in its place (`outside` module).
 """
 
+from __future__ import annotations
+
+from typing import Any
+
+from ..contracts import Inverter
 from ..exceptions import ProblemError
 from ..tools.kinds import Short
 from ..tools.names import NameOf
@@ -26,7 +31,7 @@ LARGE, HUGE = 1.5e8, 7.5e8
 SWOLLEN = 15        # largest ratio of volumetric to shear stiffness for which they are without: nu = 0.45 in 3D
 
 
-def CheckInverter(wanted):
+def CheckInverter(wanted: str | Inverter) -> None:
     """Raise ProblemError unless it is "auto", the name of an Inverter, or one itself."""
     if not (Among(wanted, ("auto", *INVERTERS)) or callable(wanted)):
         *names, last = INVERTERS
@@ -34,7 +39,7 @@ def CheckInverter(wanted):
                            "makes an inverse of a matrix, its free dofs and the Discretization (contracts.Inverter)")
 
 
-def Chosen(disc, wanted):
+def Chosen(disc: Any, wanted: str | Inverter) -> Inverter:
     """The Inverter for the matrix of a Discretization: the one that is wanted, or the best one for "auto".
 
     Raises ProblemError for one that is not installed, or not for this matrix: Cholesky's of an unsymmetric one.
@@ -55,7 +60,7 @@ def Chosen(disc, wanted):
     return inverter
 
 
-def Best(disc):
+def Best(disc: Any) -> str:
     """The name of the Inverter for the matrix of a Discretization that costs least."""
     if not disc.symmetric:
         return "umfpack"
@@ -64,12 +69,12 @@ def Best(disc):
     return Direct()
 
 
-def Direct():
+def Direct() -> str:
     """The name of the fastest factorisation of symmetric matrices that is installed."""
     return "pardisospd" if HasPardiso() else "sparsecholesky"
 
 
-def Iterated(disc):
+def Iterated(disc: Any) -> bool:
     """True if in 3D conjugate gradients and what they need take less time than a factorisation and its solves."""
     swollen, swelling = NeedsSolenoidal(disc), Swelling(disc.problem.material, disc.mesh)
     return (swollen or swelling < SWOLLEN) and FactorMemory(disc) > (HUGE if swollen else LARGE)

@@ -112,7 +112,7 @@ class IterativeInverse:
             self._Iterate(self.tol if tol is None else tol)
         return self._x.FV().NumPy().copy()
 
-    def _Iterate(self, tol):
+    def _Iterate(self, tol: float) -> None:
         """Steps until the residual of x, computed afresh, is small: that of the recursion drifts away from it."""
         b, x, r = self._b, self._x, self._r
         size, before, left = Norm(b), np.inf, self.maxiter
@@ -134,7 +134,7 @@ class IterativeInverse:
                     f"{self.maxiter - left} steps; likely causes are {causes}; take inverse='sparsecholesky'")
             before, left = norm, left - self._Steps(tol * size, left)
 
-    def _Steps(self, target, most):
+    def _Steps(self, target: float, most: int) -> int:
         """Conjugate gradients from x with residual r until |r| <= target; the number of steps."""
         x, r, z, p, q = self._x, self._r, self._z, self._p, self._q
         energy, steps = None, 0

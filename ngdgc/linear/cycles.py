@@ -1,14 +1,19 @@
 """Symmetric cycles of smoothers and corrections, of which the preconditioners consist."""
 
+from __future__ import annotations
+
 from itertools import chain, pairwise
+from typing import Any
 
 import numpy as np
-from ngsolve import VOL
+import scipy.sparse as sp
+from ngsolve import VOL, BaseMatrix, BaseVector, FESpace
 
+from ..contracts import Preconditioner
 from ..mesh.facets import Csr, Native
 
 
-def Corners(space):
+def Corners(space: FESpace) -> tuple[np.ndarray, np.ndarray]:
     """(element, dof) of all dofs of all elements of a space, sorted, two arrays."""
     dofs = [element.dofs for element in space.Elements(VOL)]
     elements = np.repeat(np.arange(len(dofs)), [len(row) for row in dofs])
@@ -16,15 +21,15 @@ def Corners(space):
     return keys // space.ndof, keys % space.ndof
 
 
-def Groups(keys, values):
+def Groups(keys: np.ndarray, values: np.ndarray) -> list[list[int]]:
     """Lists of the values with the same key, by increasing key: the blocks of a block smoother."""
     order = np.argsort(keys, kind="stable")
     bounds = np.flatnonzero(np.diff(keys[order], prepend=-1, append=-1)).tolist()
-    values = values[order].tolist()
-    return [values[a:b] for a, b in pairwise(bounds)]
+    ordered = values[order].tolist()
+    return [ordered[a:b] for a, b in pairwise(bounds)]
 
 
-def Entries(operator):
+def Entries(operator: BaseMatrix) -> sp.csr_matrix:
     """A scipy copy of an NGSolve matrix between spaces without what is round-off, CSR."""
     matrix = Csr(operator)
     matrix.data[np.abs(matrix.data) <= 1e-12 * np.abs(matrix.data).max()] = 0
@@ -32,7 +37,7 @@ def Entries(operator):
     return matrix
 
 
-def Galerkin(matrix, embedding):
+def Galerkin(matrix: sp.csr_matrix, embedding: sp.csr_matrix) -> sp.csr_matrix:
     """E' A E without the unsymmetry of round-off, scipy CSR."""
     product = (embedding.T @ (matrix @ embedding)).tocsr()
     return (product + product.T) / 2
@@ -44,14 +49,14 @@ class Correction:
     embedding : E, scipy;  coarse : symmetric C, with Mult(b, x)
     """
 
-    def __init__(self, matrix, embedding, coarse):
+    def __init__(self, matrix: BaseMatrix, embedding: sp.csr_matrix, coarse: Preconditioner) -> None:
         self.matrix, self.coarse = matrix, coarse
         self.embedding = Native(embedding)
         self.restriction = self.embedding.CreateTranspose()
         self.rest = matrix.CreateColVector()
         self.source, self.target = self.restriction.CreateColVector(), self.embedding.CreateRowVector()
 
-    def Smooth(self, x, b):
+    def Smooth(self, x: BaseVector, b: BaseVector) -> None:
         self.rest.data = b - self.matrix * x
         self.source.data = self.restriction * self.rest
         self.coarse.Mult(self.source, self.target)
@@ -66,10 +71,10 @@ class Cycle:
     steps : block smoothers of NGSolve and `Correction`s, with Smooth(x, b) and its adjoint SmoothBack(x, b)
     """
 
-    def __init__(self, *steps):
+    def __init__(self, *steps: Any) -> None:
         self.steps = steps
 
-    def Mult(self, b, x):
+    def Mult(self, b: BaseVector, x: BaseVector) -> None:
         x[:] = 0
         for step in self.steps:
             step.Smooth(x, b)

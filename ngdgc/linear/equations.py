@@ -1,5 +1,7 @@
 """Linear equations of a body: a matrix, its inverse, and what they have cost."""
 
+from __future__ import annotations
+
 import time
 from abc import ABC, abstractmethod
 from threading import RLock
@@ -69,7 +71,7 @@ class LinearEquations(ABC):
             self.solves, self.cycles = self.solves + 1, self.cycles + inverse.iterations - before
             return vector
 
-    def _CheckShape(self, vector):
+    def _CheckShape(self, vector: Array) -> None:
         if np.shape(vector) != (self.matrix.width,):
             raise ProblemError(f"a vector of shape {np.shape(vector)} is given; give the {self.matrix.width} coefficients of a "
                                "function in the space")

@@ -7,6 +7,7 @@ from functools import cache
 from typing import Any
 
 import numpy as np
+from ngsolve import BaseMatrix
 from ngsolve.la import SparseMatrixd
 
 from ..contracts import Array
@@ -46,7 +47,7 @@ class Operator:
         return target.FV().NumPy().copy()
 
 
-def Factorised(matrix, freedofs, kind, dim):
+def Factorised(matrix: BaseMatrix, freedofs: Any, kind: str, dim: int) -> BaseMatrix:
     """NGSolve's factorisation of a matrix on the free dofs."""
     if kind == "pardisospd":
         # That the matrix is symmetric has to be said.  Nested dissection fills less in 3D, minimum degree in 2D.
@@ -55,7 +56,7 @@ def Factorised(matrix, freedofs, kind, dim):
 
 
 @cache
-def HasPardiso():
+def HasPardiso() -> bool:
     """True if MKL's Pardiso can be used: NGSolve lists it even where it is missing.
 
     Before 6.2.2608 NGSolve's matrices have no flags, and that they are symmetric cannot be said.
@@ -67,7 +68,7 @@ def HasPardiso():
     return True
 
 
-def FactorMemory(disc):
+def FactorMemory(disc: Any) -> float:
     """Bytes of the Cholesky factors of a Discretization's matrix, estimated."""
     # Unknowns of neighbouring elements, or of neighbouring vertices, are eliminated together.
     nodes = disc.mesh.ne if disc.method.discontinuous else disc.mesh.nv

@@ -8,16 +8,22 @@ which may be less than the round-off of A.  K x = b is solved as x = R c + y,
 where no rigid motion is left in y: forces and moments of contact balance the loads to round-off however soft D is.
 """
 
-import numpy as np
-from ngsolve import CF, GridFunction
+from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any, cast
+
+import numpy as np
+from ngsolve import CF, FESpace, GridFunction
+
+from ..contracts import Array
 from ..mesh.facets import Coordinates, Csr, Free, RigidMotionsAt
 
 NEARLY = 1e-10      # forces out of balance, relative, in the norm of the energy of rigid motions
 NULL = 1e-11        # A R in units of what its terms are, that is round-off
 
 
-def ProjectedMotions(space, centre):
+def ProjectedMotions(space: FESpace, centre: Array) -> Array:
     """Coefficients (modes, ndof) of the rigid motions of `RigidMotions`, rotations about a centre (d,), in a vector space.
 
     Their components are combinations of 1 and of x - centre, which are all that is projected: components have equal spaces.
@@ -33,7 +39,7 @@ def ProjectedMotions(space, centre):
     return np.einsum("cmd,mn->cdn", parts, functions).reshape(len(parts), -1)
 
 
-def FreeMotions(disc):
+def FreeMotions(disc: Any) -> Array:
     """Coefficients (m, ndof) of a basis of the rigid motions that A does not resist, of a body of one part.
 
     With several parts or forms that were added there is none: (0, ndof).
@@ -55,7 +61,7 @@ def FreeMotions(disc):
 class Deflation:
     """The solution of K x = b with rigid motions (m, ndof) of a Discretization treated exactly; D (n, d, d)."""
 
-    def __init__(self, motions, contact, stiffness):
+    def __init__(self, motions: Array, contact: Any, stiffness: Array) -> None:
         self.motions, self.contact = motions, contact
         self.traces = np.array([contact.Displacement(motion) for motion in motions])
         values, vectors = np.linalg.eigh(stiffness)
@@ -65,20 +71,20 @@ class Deflation:
         triangle = np.linalg.qr(np.einsum("nij,mnj->nim", root, self.traces).reshape(-1, len(motions)), mode="r")
         self.flexible = np.linalg.inv(triangle)
 
-    def _Amplitudes(self, forces):
+    def _Amplitudes(self, forces: Array) -> Array:
         return self.flexible @ (self.flexible.T @ forces)
 
-    def _Forces(self, vector):
+    def _Forces(self, vector: Array) -> Array:
         """R' K x (m,), without the round-off of A R."""
         return np.einsum("mnd,nd,n->m", self.pulls, self.contact.Displacement(vector), self.contact.weights)
 
-    def Solve(self, Inverse, load):
+    def Solve(self, Inverse: Callable[[Array], Array], load: Array) -> Array:
         """x (ndof,) of a load b (ndof,)."""
         c = self._Amplitudes(self.motions @ load)
         rest = Inverse(load - self.contact.Load(np.einsum("m,mnd->nd", c, self.pulls)))
         return rest + (c - self._Amplitudes(self._Forces(rest))) @ self.motions
 
-    def Balance(self, vector, load):
+    def Balance(self, vector: Array, load: Array) -> Array:
         """x (ndof,) of an iteration for a load b (ndof,), with R' K x = R' b; as it is if that holds nearly.
 
         To add a motion that is not needed would only add its round-off.
@@ -90,8 +96,8 @@ class Deflation:
         return vector + (self.flexible @ missing) @ self.motions
 
 
-def WithResultants(motions, residual, load):
+def WithResultants(motions: Array, residual: Array, load: Array) -> Array:
     """A residual b - A u (ndof,) with the rigid motions' forces of b: those of A u are zero, and computed its round-off."""
-    triangle = np.linalg.qr(motions.T, mode="r")
+    triangle = cast(Array, np.linalg.qr(motions.T, mode="r"))
     excess = motions @ (load - residual)
     return residual + np.linalg.solve(triangle, np.linalg.solve(triangle.T, excess)) @ motions

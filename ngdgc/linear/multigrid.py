@@ -18,13 +18,17 @@ which on elements of moderate shape are all of them, W_k = H1.
 For nearly incompressible materials all levels under V_h are those of the module `solenoidal`.
 """
 
+from __future__ import annotations
+
 from itertools import chain
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import CELL, H1, L2, VOL, ConvertOperator, ElementId, NodeId
+from ngsolve import CELL, VOL, BaseMatrix, BaseVector, ConvertOperator, ElementId, H1, L2, NodeId
 
-from ..mesh.facets import Native, RigidMotionsAt
+from ..contracts import Array, Preconditioner
+from ..mesh.facets import Facets, Native, RigidMotionsAt
 from ..tools.parallel import Batched
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 from .solenoidal import NeedsSolenoidal, SolenoidalLevels
@@ -45,7 +49,7 @@ class PartlyContinuous:
     vertex : number of the vertex of each dof of W_1, (vertices with copies,);  size : scalar dofs
     """
 
-    def __init__(self, facets, order):
+    def __init__(self, facets: Facets, order: int) -> None:
         self.mesh, self.order, self.scalar = facets.mesh, order, H1(facets.mesh, order=order)
         self.elements, self.dofs = Corners(self.scalar)
         corners, ndof = len(self.dofs), self.scalar.ndof
@@ -59,12 +63,12 @@ class PartlyContinuous:
         keys, self.copies = np.unique(self.dofs * corners + parts, return_inverse=True)
         self.size, self.vertex = len(keys), keys[keys < self.mesh.nv * corners] // corners
 
-    def Copy(self, elements, dofs):
+    def Copy(self, elements: np.ndarray, dofs: np.ndarray) -> np.ndarray:
         """Number in W_k of a dof of H1 in an element, for arrays."""
         ndof = self.scalar.ndof
         return self.copies[np.searchsorted(self.elements * ndof + self.dofs, elements * ndof + dofs)]
 
-    def Embedding(self):
+    def Embedding(self) -> sp.csr_matrix:
         """E from the vector-valued W_k to V_h, scipy CSR."""
         dim, target = self.mesh.dim, L2(self.mesh, order=self.order)
         values = Entries(ConvertOperator(self.scalar, target)).tocoo()
@@ -75,12 +79,12 @@ class PartlyContinuous:
                                                       np.concatenate([dim * copies + i for i in range(dim)]))),
                              shape=(dim * target.ndof, dim * self.size))
 
-    def RigidMotions(self):
+    def RigidMotions(self) -> Array:
         """The rigid motions in W_1, (dofs, motions)."""
         points = np.array(self.mesh.ngmesh.Coordinates())[self.vertex, :self.mesh.dim]
         return RigidMotionsAt(points - points.mean(axis=0)).reshape(-1, points.size).T.copy()
 
-    def Stars(self):
+    def Stars(self) -> list[list[int]]:
         """Blocks: for each vertex, with its copies, the dofs of the vertices, edges, faces and cells that contain it."""
         mesh = self.mesh
         pairs = [np.tile(np.arange(mesh.nv), (2, 1))]
@@ -98,7 +102,7 @@ class PartlyContinuous:
         return Groups(np.repeat(centres, mesh.dim), (mesh.dim * members[:, None] + np.arange(mesh.dim)).ravel())
 
 
-def StrongNeighbours(facets):
+def StrongNeighbours(facets: Facets) -> tuple[np.ndarray, np.ndarray]:
     """Numbers of the two elements at each strong facet, two arrays."""
     incidence, byelement = facets.incidence, facets.incidence.tocsc()
     largest = np.maximum.reduceat(byelement.data, byelement.indptr[:-1]) ** 2
@@ -112,7 +116,7 @@ class Aggregation:
     """One V-cycle of smoothed aggregation for a scipy matrix with `dim` unknowns at each vertex, rigid motions preserved."""
 
     @Batched
-    def __init__(self, matrix, motions, dim):
+    def __init__(self, matrix: sp.csr_matrix, motions: Array, dim: int) -> None:
         import pyamg        # slow to import
 
         smoother = ("block_gauss_seidel", {"sweep": "symmetric"})
@@ -125,25 +129,25 @@ class Aggregation:
         # The first time makes the pseudo-inverse on the last level, for which threads of BLAS and of NGSolve would fight.
         self._cycle @ np.zeros(len(motions))
 
-    def Mult(self, b, x):
+    def Mult(self, b: BaseVector, x: BaseVector) -> None:
         """x = P b, NGSolve vectors."""
         x.FV().NumPy()[:] = self._cycle @ b.FV().NumPy()
 
 
-def ContinuousLevels(disc, matrix):
+def ContinuousLevels(disc: Any, matrix: sp.csr_matrix) -> tuple[sp.csr_matrix, Preconditioner]:
     """(E, C): the embedding of W_k in V_h, and the cycle on it, for a scipy matrix on V_h."""
     dim, auxiliary = disc.mesh.dim, PartlyContinuous(disc.facets, disc.order)
     embedding = auxiliary.Embedding()
     inner = Galerkin(matrix, embedding)
     vertices = dim * len(auxiliary.vertex)
-    coarse = Aggregation(inner[:vertices, :vertices], auxiliary.RigidMotions(), dim)
+    coarse: Preconditioner = Aggregation(inner[:vertices, :vertices], auxiliary.RigidMotions(), dim)
     if disc.order > 1:
         native, injection = Native(inner), sp.eye(inner.shape[0], vertices, format="csr")
         coarse = Cycle(native.CreateBlockSmoother(auxiliary.Stars()), Correction(native, injection, coarse))
     return embedding, coarse
 
 
-def VCycle(matrix, free, disc):
+def VCycle(matrix: BaseMatrix, free: Any, disc: Any) -> Cycle:
     """The V-cycle for an NGSolve matrix, symmetric positive definite, on the space of a discontinuous Discretization.
 
     It keeps `contracts.PreconditionerMaker`; `free` are all dofs.

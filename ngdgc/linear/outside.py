@@ -86,7 +86,7 @@ class OutsideInverse:
                                f"{load.shape}, zero at the dofs that are not free")
         return np.array(found, dtype=float)
 
-    def _Check(self, words, vector, load, tol):
+    def _Check(self, words: str, vector: Array, load: Array, tol: float) -> None:
         if not np.all(np.isfinite(vector)):
             raise ProblemError(f"{words} returns numbers that are not finite; look for a matrix that is singular, or one "
                                "that it was not made for, or take inverse='auto'")

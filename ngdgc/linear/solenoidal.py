@@ -22,11 +22,17 @@ tetrahedra.  Most of the memory are the inverses of the stars: all levels take a
 ratio: W_1 and the potentials are continuous across weak facets, too.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import CF, ET, H1, VOL, ConvertOperator, Grad, HDiv, VectorH1, VectorL2, grad
+from ngsolve import (CF, ET, VOL, BaseVector, CoefficientFunction, ConvertOperator, FESpace, Grad, H1, HDiv, Mesh, VectorH1,
+                     VectorL2, grad)
 
-from ..mesh.facets import Native, VolumePoints
+from ..contracts import Preconditioner
+from ..mesh.facets import Facets, Native, VolumePoints
 from ..problem.materials import StiffnessAt
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 
@@ -35,7 +41,7 @@ OVER = 6
 SHIFT = 1e-10       # of potentials whose curl vanishes, against the diagonal
 
 
-def NeedsSolenoidal(disc):
+def NeedsSolenoidal(disc: Any) -> bool:
     """True if lam is so large that the levels for divergence-free displacements pay, and the mesh one that they are made for.
 
     NGSolve interpolates normally continuous functions on simplices only.
@@ -43,19 +49,19 @@ def NeedsSolenoidal(disc):
     return Swelling(disc.problem.material, disc.mesh) > SWOLLEN and Simplicial(disc.mesh)
 
 
-def Simplicial(mesh):
+def Simplicial(mesh: Mesh) -> bool:
     """True for triangles and tetrahedra."""
     return all(element.type in (ET.TRIG, ET.TET) for element in mesh.Elements(VOL))
 
 
-def Swelling(material, mesh):
+def Swelling(material: Any, mesh: Mesh) -> float:
     """Largest ratio of volumetric to shear stiffness, (I : C : I)/d over 2 mu; 1 + d lam/(2 mu) for isotropic materials."""
     points = VolumePoints(mesh, 0)
     volumetric = np.einsum("niijj->n", StiffnessAt(material, points, mesh.dim)) / mesh.dim
     return float(np.max(volumetric / (2 * material.ShearAt(points))))
 
 
-def VertexStars(space, facets):
+def VertexStars(space: FESpace, facets: Facets) -> list[list[int]]:
     """Blocks: for each vertex all dofs of the facets and elements that contain it."""
     corners = [(facet.vertices, space.GetDofNrs(facet)) for facet in space.mesh.facets]
     vertices, dofs = (np.fromiter(values, dtype=np.int64) for values in zip(*(
@@ -71,7 +77,7 @@ def VertexStars(space, facets):
     return Groups(vertices[order], dofs[order])
 
 
-def Curl(space):
+def Curl(space: FESpace) -> CoefficientFunction:
     """The curl of a potential, of three components in 3D and one in 2D, whose functions a space contains."""
     psi = space.TrialFunction()
     if space.mesh.dim == 2:
@@ -84,15 +90,15 @@ def Curl(space):
 class Factors:
     """C = factor (A + shift diag(A))^-1 of a scipy matrix."""
 
-    def __init__(self, matrix, *, factor=1, shift=0.0):
+    def __init__(self, matrix: sp.csr_matrix, *, factor: float = 1, shift: float = 0.0) -> None:
         self.factor = factor
         self.inverse = Native(matrix + shift * sp.diags(matrix.diagonal())).Inverse(inverse="sparsecholesky")
 
-    def Mult(self, b, x):
+    def Mult(self, b: BaseVector, x: BaseVector) -> None:
         x.data = self.factor * (self.inverse * b)
 
 
-def SolenoidalLevels(disc, matrix):
+def SolenoidalLevels(disc: Any, matrix: sp.csr_matrix) -> tuple[sp.csr_matrix, Preconditioner]:
     """(E, C): the embedding of X_k in V_h, and the cycle on it, for a scipy matrix on V_h."""
     mesh = disc.mesh
     space, continuous = HDiv(mesh, order=disc.order), VectorH1(mesh, order=1)

@@ -10,11 +10,28 @@ the methods with a global lifting only.  The numerical flux of Table 1, for the 
 Every matrix is built, and every vector computed, from batches of blocks on facets and elements (`operators` module).
 """
 
-import numpy as np
-from ngsolve import GridFunction, LinearForm, ds
+from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Protocol, cast
+
+import numpy as np
+from ngsolve import BaseMatrix, FESpace, GridFunction, LinearForm, ds
+
+from ..blocks.batches import FacetPatch, Side, Star
+from ..blocks.integrals import ElementGroup
+from ..blocks.operators import FacetOperators
+from ..contracts import Array
 from ..data.coefficients import LOADBONUS, OnFacets
+from ..problem.problem import ContactProblem
 from ..tools.parallel import Batched, Map
+from .guarantee import Guarantee
+
+
+class JumpPenalty(Protocol):
+    """The penalty of the jumps (`penalty` module) as its part of Sigma."""
+
+    def FacetMatrix(self, patch: FacetPatch) -> Array: ...
 
 
 class FacetForm:
@@ -29,11 +46,12 @@ class FacetForm:
 
     consistent = True
 
-    def __init__(self, problem, space, operators, *, rule, eta, lifted, globallift, theta, guarantee):
+    def __init__(self, problem: ContactProblem, space: FESpace, operators: FacetOperators, *, rule: JumpPenalty | None,
+                 eta: float | None, lifted: bool, globallift: bool, theta: int, guarantee: Guarantee) -> None:
         self.problem, self.space, self.operators, self.rule, self.eta = problem, space, operators, rule, eta
         self.lifted, self.globallift, self.theta, self.guarantee = lifted, globallift, theta, guarantee
 
-    def FacetMatrix(self, patch):
+    def FacetMatrix(self, patch: FacetPatch) -> Array:
         """Sigma of a batch of facets, (n, r, r)."""
         if self.rule:
             return self.rule.FacetMatrix(patch)
@@ -42,29 +60,29 @@ class FacetForm:
         size = self.operators.dim * self.operators.facetsizes[patch.facets[0]]
         return np.zeros((len(patch.facets), size, size))
 
-    def Matrix(self):
+    def Matrix(self) -> BaseMatrix:
         """The matrix of B_h."""
         return self._Assemble(consistency=self.consistent)
 
-    def Norm(self):
+    def Norm(self) -> BaseMatrix:
         """The matrix of g_h + Sigma(J u, J v) + (C r_0, r_0), against which coercivity is measured."""
         return self._Assemble(consistency=False)
 
     @Batched
-    def _Assemble(self, consistency):
+    def _Assemble(self, consistency: bool) -> BaseMatrix:
         operators = self.operators
         matrix = operators.Matrix(self.space, reach=2 if self.globallift else 1)
         distinct = operators.facets.distinct
         own = [np.empty((len(group.elements),) + 2 * (operators.dim * group.na,)) for group in operators.groups]
         for group, blocks in zip(operators.groups, own):
-            def Energy(batch, blocks=blocks):
+            def Energy(batch: tuple[np.ndarray, ElementGroup], blocks: Array = blocks) -> None:
                 rows, part = batch
                 blocks[rows] = part.energy
 
             for _ in Map(Energy, group.Parts(blocks[0].size), threads=operators.many):
                 pass
 
-        def Couple(patch):
+        def Couple(patch: FacetPatch) -> list[tuple[Side, Array]]:
             """Put the blocks of neighbours, which no other facet has, into the matrix; return those of single elements."""
             blocks = self._FacetBlocks(patch, consistency)
             for a, b in [pair for pair in blocks if pair[0] != pair[1]]:
@@ -81,7 +99,7 @@ class FacetForm:
                 matrix.Add(elements, block)
         return matrix.native
 
-    def _FacetBlocks(self, patch, consistency):
+    def _FacetBlocks(self, patch: FacetPatch, consistency: bool) -> dict[tuple[int, int], Array]:
         """{(a, b): block (n, m_a, m_b)} of the terms on a batch of facets, for rows of side a and columns of side b."""
         operators, theta = self.operators, self.theta
         sigma = self.FacetMatrix(patch)
@@ -90,7 +108,8 @@ class FacetForm:
         if consistency:
             tractions = [operators.SideTraction(side, patch.facets, self.lifted) for side in patch.sides]
             fluxes = [flux - traction for flux, traction in zip(fluxes, tractions)]
-        blocks, symmetric = {}, theta == 1 or not consistency
+        symmetric = theta == 1 or not consistency
+        blocks: dict[tuple[int, int], Array] = {}
         for a, jump in enumerate(jumps):
             for b, flux in enumerate(fluxes):
                 if symmetric and b < a:
@@ -101,13 +120,13 @@ class FacetForm:
                     blocks[a, b] -= theta * (np.swapaxes(tractions[a], 1, 2) @ jumps[b])
         return blocks
 
-    def _StarBlock(self, star):
+    def _StarBlock(self, star: Star) -> tuple[np.ndarray, Array]:
         """(elements, block) of (C r_0[u], r_0[v]) on a batch of elements."""
         lifting = self.operators.GlobalLifting(star)
         weighted = star.group.weightedliftmass @ lifting
         return star.elements, np.swapaxes(lifting, 1, 2) @ weighted
 
-    def _Data(self):
+    def _Data(self) -> dict[str, Array]:
         """{region: values prescribed on it, coefficients in F_h}."""
         problem, operators = self.problem, self.operators
         mu, n = operators.facetspace.TestFunction(), operators.normal
@@ -124,7 +143,7 @@ class FacetForm:
         return data
 
     @Batched
-    def Prescribed(self):
+    def Prescribed(self) -> dict[str, Array]:
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
         operators, loads = self.operators, {}
         for region, values in self._Data().items():
@@ -136,7 +155,7 @@ class FacetForm:
             loads[region] = penalised - self.theta * tractions
         return loads
 
-    def _Penalised(self, jump, near):
+    def _Penalised(self, jump: Array, near: np.ndarray) -> Array:
         """M_F^-1 (Sigma + G) jump, for a jump given by coefficients in F_h that vanishes off the facets `near`."""
         operators = self.operators
         result = np.zeros(len(jump))
@@ -145,15 +164,15 @@ class FacetForm:
             result[dofs] += (self.FacetMatrix(patch) @ jump[dofs][..., None])[..., 0]
         if self.globallift:
             for star in operators.Stars(operators.facets.Touching(near)):
-                dofs = [operators.FacetDofs(facets) for _, facets, _ in star.arms]
+                arms = [operators.FacetDofs(facets) for _, facets, _ in star.arms]
                 liftings = operators.Liftings(star)
-                lifted = sum(lifting @ jump[own][..., None] for lifting, own in zip(liftings, dofs))
+                lifted = cast(Array, sum(lifting @ jump[own][..., None] for lifting, own in zip(liftings, arms)))
                 stress = star.group.weightedliftmass @ lifted
-                for lifting, own in zip(liftings, dofs):
+                for lifting, own in zip(liftings, arms):
                     np.add.at(result, own, (np.swapaxes(lifting, 1, 2) @ stress)[..., 0])
         return result
 
-    def _Tested(self, values, near, blocks):
+    def _Tested(self, values: Array, near: np.ndarray, blocks: Callable[[FacetPatch], Array]) -> Array:
         """(ndof,) from values in F_h on the facets `near`, times blocks(patch) transposed."""
         operators = self.operators
         result = np.zeros(self.space.ndof)
@@ -162,7 +181,7 @@ class FacetForm:
             np.add.at(result, operators.Dofs(patch.elements), (np.swapaxes(blocks(patch), 1, 2) @ moments)[..., 0])
         return result
 
-    def Jump(self, gfu):
+    def Jump(self, gfu: GridFunction) -> Array:
         """Coefficients in F_h of the jump u+ - u-, on Gamma_D and rollers u - g_D."""
         operators, vector = self.operators, gfu.vec.FV().NumPy()
         jump = -sum(self._Data().values(), np.zeros(operators.facetspace.ndof))
@@ -172,7 +191,7 @@ class FacetForm:
         return jump
 
     @Batched
-    def Flux(self, gfu):
+    def Flux(self, gfu: GridFunction) -> Array:
         """Coefficients in F_h of the numerical flux sigma_hat n, n the normal that fixes the orientation of the facet."""
         operators, vector = self.operators, gfu.vec.FV().NumPy()
         everywhere = np.ones(len(operators.share), dtype=bool)
@@ -186,13 +205,13 @@ class FacetForm:
             flux[dofs] = operators.Apply(operators.inversemass(patch.sides[0]), moments)[..., 0]
         return flux
 
-    def FluxFunction(self, gfu):
+    def FluxFunction(self, gfu: GridFunction) -> GridFunction:
         """The numerical flux as a GridFunction on the facets [stress]."""
         function = GridFunction(self.operators.facetspace)
         function.vec.FV().NumPy()[:] = self.Flux(gfu)
         return function
 
-    def Fluxes(self, gfu):
+    def Fluxes(self, gfu: GridFunction) -> dict[str | None, Array]:
         """The numerical flux tested on each set of facets, {region, or None between elements: (ndof,)}."""
         flux, operators = self.Flux(gfu), self.operators
         on = {region: operators.facets.On(region) for region in (*self.problem.dirichlet, *self.problem.roller)}

@@ -4,8 +4,15 @@ The extreme eigenvalues lambda of B x = lambda N x come from Lanczos' method in 
 factorisation of N.  The spectra met here are bounded whatever the mesh, so the number of steps does not grow with it.
 """
 
-import numpy as np
+from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from ngsolve import BaseMatrix
+
+from ..contracts import Array, Form
 from ..exceptions import ProblemError
 from ..mesh.facets import Csr, Native
 
@@ -13,13 +20,13 @@ TOL = 1e-3      # of the residual of an eigenvector; eigenvalues, also clustered
 START = 1       # seed of the first Lanczos vector: the same numbers in every run
 
 
-def FreePart(matrix, freedofs):
+def FreePart(matrix: BaseMatrix, freedofs: Any) -> sp.csr_matrix:
     """The block of an NGSolve matrix that belongs to the free dofs, as scipy CSR."""
     free = np.flatnonzero(list(freedofs))
     return Csr(matrix)[free][:, free]
 
 
-def Symmetric(matrix):
+def Symmetric(matrix: sp.csr_matrix) -> sp.csr_matrix:
     """(B + B')/2, which has the same values v' B v."""
     return (matrix + matrix.T) / 2
 
@@ -27,19 +34,19 @@ def Symmetric(matrix):
 class SparseInverse:
     """N^-1 for a sparse symmetric positive definite scipy matrix N, by NGSolve's sparse Cholesky factorisation."""
 
-    def __init__(self, norm):
+    def __init__(self, norm: sp.csr_matrix) -> None:
         self._native = Native(norm)
         self._inverse = self._native.Inverse(inverse="sparsecholesky")
         self._source, self._target = self._native.CreateColVector(), self._native.CreateColVector()
 
-    def __call__(self, vector):
+    def __call__(self, vector: Array) -> Array:
         """(n,) -> (n,)."""
         self._source.FV().NumPy()[:] = np.ravel(vector)
         self._target.data = self._inverse * self._source
         return self._target.FV().NumPy().copy()
 
 
-def ExtremeEigenvalue(operator, norm, inverse, which):
+def ExtremeEigenvalue(operator: Any, norm: sp.csr_matrix, inverse: SparseInverse, which: str) -> float:
     """Smallest (which="SA") or largest (which="LA") lambda with B x = lambda N x.
 
     operator : B, sparse symmetric or a function x -> B x;  norm : N, sparse;  inverse : `SparseInverse` of N
@@ -59,7 +66,7 @@ def ExtremeEigenvalue(operator, norm, inverse, which):
                            "extreme size and for degenerate elements") from None
 
 
-def SmallestEigenvalue(matrix, norm, freedofs, held=None):
+def SmallestEigenvalue(matrix: BaseMatrix, norm: sp.csr_matrix, freedofs: Any, held: sp.csr_matrix | None = None) -> float:
     """Smallest lambda with B_h u = lambda N u, N = g_h + penalty: the coercivity constant of B_h in its own energy norm.
 
     `matrix` and `norm` are NGSolve matrices on one space; of an unsymmetric form the symmetric part counts.  `held`, scipy CSR,
@@ -73,7 +80,7 @@ def SmallestEigenvalue(matrix, norm, freedofs, held=None):
     return ExtremeEigenvalue(Symmetric(B), N, SparseInverse(N), "SA")
 
 
-def CheckCoercivity(form, matrix, freedofs, held=None):
+def CheckCoercivity(form: Form, matrix: BaseMatrix, freedofs: Any, held: sp.csr_matrix | None = None) -> None:
     """Raise ProblemError if the bilinear form is not coercive.
 
     Only where nothing guarantees that it is, lambda_min > 0 of `SmallestEigenvalue` decides.
@@ -86,7 +93,7 @@ def CheckCoercivity(form, matrix, freedofs, held=None):
                            f"{smallest:.3g} of the form against its energy norm); {form.guarantee.remedy}")
 
 
-def CheckSum(form, matrix, freedofs, held=None):
+def CheckSum(form: Form, matrix: BaseMatrix, freedofs: Any, held: sp.csr_matrix | None = None) -> None:
     """Raise ProblemError if B_h with added forms, whose matrix is given, is not coercive."""
     smallest = SmallestEigenvalue(matrix, form.Norm(), freedofs, held)
     if smallest <= 1e-6:

@@ -18,7 +18,7 @@ from ..tools.values import Among
 from .blockform import FacetForm
 from .guarantee import Guarantee
 from .lifting import WeakFacets
-from .symbolform import Clamped, Interior, Roller, SkeletonForm
+from .symbolform import Clamped, Interior, Part, Roller, SkeletonForm
 from .symbollifting import LiftedSkeletonForm
 
 
@@ -88,14 +88,15 @@ class DiscontinuousGalerkin(BrokenSpace, ABC):
         """B_h with E0 = interior facets, Gamma_D and rollers."""
         share, rollers = WeakFacets(problem, facets)
 
-        def Lifting(liftorder):
+        def Lifting(liftorder: int) -> FacetOperators:
             return FacetOperators(problem.material, facets, order, liftorder, share, rollers)
 
         operators, rule, eta, guarantee = self._Stabilised(Lifting, problem.material, facets.mesh, order)
-        terms = {"lifted": self.form == "lifting", "globallift": self.globallift, "theta": self.theta, "guarantee": guarantee}
+        terms: dict[str, Any] = {"lifted": self.form == "lifting", "globallift": self.globallift, "theta": self.theta,
+                                 "guarantee": guarantee}
         if assembly == "facet":
             return FacetForm(problem, space, operators, rule=rule, eta=eta, **terms)
-        parts = [Interior(problem.material, facets.mesh, rule),
+        parts: list[Part] = [Interior(problem.material, facets.mesh, rule),
                  *(Clamped(problem, facets, rule, region) for region in problem.dirichlet),
                  *(Roller(problem, facets, rule, region) for region in problem.roller)]
         if self.form == "edge" and not self.globallift and eta is None:

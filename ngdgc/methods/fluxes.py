@@ -1,13 +1,19 @@
 """The numerical fluxes of Table 1 as functions on the facets, to be drawn and integrated."""
 
-import numpy as np
-from ngsolve import LinearForm, ds
+from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+from ngsolve import GridFunction, LinearForm, ds
+
+from ..blocks.operators import FacetOperators
+from ..contracts import Array
 from ..data.coefficients import LOADBONUS, OnFacets
 from ..exceptions import ProblemError
 
 
-def Flux(solution):
+def Flux(solution: Any) -> GridFunction:
     """sigma_hat n of a solution, a GridFunction with d components in F_h [stress].
 
     On E0 the flux of the method, on Gamma_F the traction f_2, on Gamma_C the traction -t of the foundation on the body, each
@@ -48,7 +54,7 @@ def Flux(solution):
     return function
 
 
-def _AddContact(disc, operators, traction, values):
+def _AddContact(disc: Any, operators: FacetOperators, traction: Array, values: Array) -> None:
     """Subtract the traction t (n, d) of the contact points, as coefficients in F_h, from the values on Gamma_C."""
     contact, dim = disc.contact, disc.mesh.dim
     facets = disc.facets.boundary[0][contact.boundaryelements]

@@ -5,19 +5,27 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable, Iterator
 from functools import cached_property
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import GridFunction
 
+from ..blocks.batches import FacetPatch
+from ..blocks.integrals import ElementGroup
 from ..blocks.matrix import Numbers
 from ..blocks.operators import FacetOperators
+from ..contracts import Array
 from ..exceptions import ProblemError
 from ..linear.equations import CheckDiscretization
+from ..mesh.facets import Facets
+from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
 from ..tools.values import HIGHEST, Integer
+
+SparseBatch = tuple[np.ndarray, np.ndarray, Array]      # row dofs (n, r), column dofs (n, c), blocks (n, r, c)
 
 
 class SparseOperators:
@@ -27,12 +35,12 @@ class SparseOperators:
     facets;  projectedS : N M_Q^-1 R;  facetof : facet of each dof of F_h
     """
 
-    def __init__(self, blocks):
+    def __init__(self, blocks: FacetOperators) -> None:
         self.blocks, self.share = blocks, blocks.share
         self._shape = {"V": blocks.dim * int(blocks.starts[-1]), "F": blocks.dim * int(blocks.facetstarts[-1]),
                        "Q": len(blocks.groups[0].basis) * int(blocks.liftstarts[-1])}
 
-    def _Sparse(self, spaces, batches):
+    def _Sparse(self, spaces: str, batches: Iterable[SparseBatch]) -> sp.csr_matrix:
         """CSR from batches (row dofs (n, r), column dofs (n, c), blocks (n, r, c)); entries add up."""
         rows, columns, values = [], [], []
         for row, column, block in batches:
@@ -44,57 +52,58 @@ class SparseOperators:
             return sp.csr_matrix(shape)
         return sp.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
 
-    def _Lift(self, elements):
+    def _Lift(self, elements: np.ndarray) -> np.ndarray:
         return Numbers(self.blocks.liftstarts, elements[:, None], len(self.blocks.groups[0].basis))
 
-    def _OnElements(self, spaces, rows, columns, blocks):
+    def _OnElements(self, spaces: str, rows: Callable[[np.ndarray], np.ndarray], columns: Callable[[np.ndarray], np.ndarray],
+                    blocks: Callable[[ElementGroup], Array]) -> sp.csr_matrix:
         return self._Sparse(spaces, [(rows(group.elements), columns(group.elements), blocks(group))
                                      for group in self.blocks.groups])
 
-    def _OnFacets(self, blocks):
+    def _OnFacets(self, blocks: Callable[[FacetPatch], Array]) -> sp.csr_matrix:
         """V_h x F_h, from blocks(patch)."""
         return self._Sparse("FV", ((self.blocks.FacetDofs(patch.facets), self.blocks.Dofs(patch.elements), blocks(patch))
                                    for patch in self.blocks.FacetPatches()))
 
-    def _Displacement(self, elements):
+    def _Displacement(self, elements: np.ndarray) -> np.ndarray:
         return self.blocks.Dofs(elements[:, None])
 
     @cached_property
-    def K(self):
+    def K(self) -> sp.csr_matrix:
         return self._OnElements("VV", self._Displacement, self._Displacement, lambda group: group.energy)
 
     @cached_property
-    def R(self):
+    def R(self) -> sp.csr_matrix:
         return self._OnElements("QV", self._Lift, self._Displacement, lambda group: group.stress)
 
     @cached_property
-    def inverseMQ(self):
+    def inverseMQ(self) -> sp.csr_matrix:
         return self._OnElements("QQ", self._Lift, self._Lift, lambda group: group.inverseliftmass)
 
     @cached_property
-    def J(self):
+    def J(self) -> sp.csr_matrix:
         return self._OnFacets(self.blocks.JumpBlocks)
 
     @cached_property
-    def S(self):
+    def S(self) -> sp.csr_matrix:
         return self._OnFacets(lambda patch: self.blocks.Tractions(patch, False))
 
     @cached_property
-    def projectedS(self):
+    def projectedS(self) -> sp.csr_matrix:
         return self._OnFacets(lambda patch: self.blocks.Tractions(patch, True))
 
     @cached_property
-    def inverseMF(self):
-        def Blocks(patch):
-            return np.kron(np.eye(self.blocks.dim), self.blocks.inversemass(patch.sides[0]))
+    def inverseMF(self) -> sp.csr_matrix:
+        def Blocks(patch: FacetPatch) -> Array:
+            return cast(Array, np.kron(np.eye(self.blocks.dim), self.blocks.inversemass(patch.sides[0])))
 
         return self._Sparse("FF", ((dofs, dofs, Blocks(patch)) for patch in self.blocks.FacetPatches()
                                    for dofs in [self.blocks.FacetDofs(patch.facets)]))
 
     @cached_property
-    def N(self):
+    def N(self) -> sp.csr_matrix:
         """From -M_Q^-1 N', the liftings of the elements' facets."""
-        def Batches():
+        def Batches() -> Iterator[SparseBatch]:
             for star in self.blocks.Stars():
                 mass = np.linalg.inv(self.blocks.groups[star.number].inverseliftmass[star.rows])
                 for (_, facets, _), lift in zip(star.arms, self.blocks.Liftings(star)):
@@ -103,8 +112,8 @@ class SparseOperators:
         return self._Sparse("FQ", Batches())
 
     @cached_property
-    def G(self):
-        def Batches():
+    def G(self) -> sp.csr_matrix:
+        def Batches() -> Iterator[SparseBatch]:
             for star in self.blocks.Stars():
                 dofs = np.concatenate([self.blocks.FacetDofs(facets) for _, facets, _ in star.arms], axis=1)
                 lift = np.concatenate(self.blocks.Liftings(star), axis=2)
@@ -114,12 +123,12 @@ class SparseOperators:
         return self._Sparse("FF", Batches())
 
     @cached_property
-    def localG(self):
+    def localG(self) -> sp.csr_matrix:
         return self._Sparse("FF", ((dofs, dofs, self.blocks.LocalEnergy(patch)) for patch in self.blocks.FacetPatches()
                                    for dofs in [self.blocks.FacetDofs(patch.facets)]))
 
     @cached_property
-    def facetof(self):
+    def facetof(self) -> np.ndarray:
         return np.tile(np.repeat(np.arange(len(self.share)), self.blocks.facetsizes), self.blocks.dim)
 
 
@@ -152,7 +161,7 @@ class Lifting:
         blocks = FacetOperators(disc.problem.material, disc.facets, disc.order, order, share, rollers)
         self.operators, self.space = SparseOperators(blocks), blocks.liftspace
 
-    def _CheckFacet(self, facet):
+    def _CheckFacet(self, facet: int) -> None:
         last = len(self.operators.share) - 1
         Integer(facet, "facet", f"give the number of one, the mesh has the facets 0 ... {last}", least=0, most=last)
 
@@ -175,7 +184,7 @@ class Lifting:
         self._CheckFacet(facet)
         return self._Function(gfu, facet)
 
-    def _Function(self, gfu, facet):
+    def _Function(self, gfu: Any, facet: int | None) -> GridFunction:
         operators = self.operators
         if not isinstance(gfu, GridFunction) or gfu.space.ndof != operators.J.shape[1]:
             raise ProblemError(f"gfu is {gfu!r}; give a GridFunction on the space of the discretisation")
@@ -187,7 +196,7 @@ class Lifting:
         return lifted
 
 
-def WeakFacets(problem, facets):
+def WeakFacets(problem: ContactProblem, facets: Facets) -> tuple[Array, np.ndarray]:
     """(share, rollers) of the facets of E0, for `FacetOperators`: interior facets, Gamma_D and rollers."""
     share = np.where(facets.neighbours > 1, 0.5, 0.0)
     rollers = np.zeros(len(share), dtype=bool)

@@ -6,8 +6,11 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
+from ngsolve import FESpace
 
+from ..blocks.batches import FacetPatch
 from ..blocks.operators import FacetOperators
+from ..contracts import Array
 from ..exceptions import ProblemError
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
@@ -69,7 +72,7 @@ class OverPenalisedForm(FacetForm):
 
     consistent = False
 
-    def __init__(self, problem, space, operators, value):
+    def __init__(self, problem: ContactProblem, space: FESpace, operators: FacetOperators, value: float) -> None:
         super().__init__(problem, space, operators, rule=OverPenalty(value, operators), eta=None, lifted=False,
                          globallift=False, theta=0, guarantee=ALWAYS)
 
@@ -77,13 +80,13 @@ class OverPenalisedForm(FacetForm):
 class OverPenalty:
     """eta_e/h_e ([w] + (L/h_e)^2 [Pi w])."""
 
-    def __init__(self, value, operators):
+    def __init__(self, value: float, operators: FacetOperators) -> None:
         self._operators, self._plain = operators, ScalarPenalty(value, operators)
         vertices = operators.facets.vertices
         points = operators.mesh.ngmesh.Coordinates()[vertices[vertices >= 0], :operators.dim]
         self._excess = np.square(np.ptp(points, axis=0).max() / operators.facets.diameter)
 
-    def FacetMatrix(self, patch):
+    def FacetMatrix(self, patch: FacetPatch) -> Array:
         """<P(mu):[nu]>, (n, r, r)."""
         plain = self._plain.FacetMatrix(patch)
         mass = np.linalg.inv(self._operators.inversemass(patch.sides[0]))

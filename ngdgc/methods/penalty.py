@@ -14,11 +14,19 @@ sigma : C^-1 sigma / gamma_{K,e} for P = {gamma C} sym(w (x) n).  The smallest k
 of element matrices: sharp in order, shape and material of the element, and without unknown constants.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
 from functools import cached_property
+from typing import cast
 
 import numpy as np
-from ngsolve import L2, GridFunction, OuterProduct, Sym
+from ngsolve import CoefficientFunction, GridFunction, L2, OuterProduct, Sym
 
+from ..blocks.batches import FacetPatch
+from ..blocks.integrals import ElementGroup
+from ..blocks.operators import FacetOperators
+from ..contracts import Array
 from ..exceptions import ProblemError
 from ..mesh.facets import VolumePoints
 from ..tools.parallel import Map
@@ -26,12 +34,12 @@ from ..tools.parallel import Map
 MARGIN = 2      # kappa_K = 1/MARGIN for penalty="auto": B_h >= (1 - 1/sqrt 2) of the energy norm
 
 
-def ElementBounds(operators, facetweight, bound):
+def ElementBounds(operators: FacetOperators, facetweight: Array, bound: Callable[[ElementGroup, Array], Array]) -> Array:
     """Largest eigenvalue over V_h(K) of sum_e facetweight_e pencil_e against int_K C eps:eps, over elements.
 
     bound(group, weights) : `ElasticBound` or `PlainBound`, that is the pencil, with weights (n, sides)
     """
-    def Largest(batch):
+    def Largest(batch: tuple[np.ndarray, ElementGroup]) -> tuple[np.ndarray, Array | float]:
         _, group = batch
         weights = facetweight[group.facets]
         return group.elements, bound(group, weights) if weights.any() else 0
@@ -43,18 +51,18 @@ def ElementBounds(operators, facetweight, bound):
     return largest
 
 
-def ElasticBound(group, weights):
+def ElasticBound(group: ElementGroup, weights: Array) -> Array:
     """Largest eigenvalues for int_e C eps:eps, (n,)."""
     # Where the strains are constant the two forms are proportional.
     return group.SurfaceRatios(weights) if group.constant else LargestEigenvalues(group.ElasticPencil(weights), group)
 
 
-def PlainBound(group, weights):
+def PlainBound(group: ElementGroup, weights: Array) -> Array:
     """Largest eigenvalues for int_e 2 |C eps n|^2 - (n.C eps n)^2, (n,)."""
     return LargestEigenvalues(group.PlainPencil(weights), group)
 
 
-def LargestEigenvalues(upper, group):
+def LargestEigenvalues(upper: Array, group: ElementGroup) -> Array:
     """Largest eigenvalues of upper x = kappa K x, (n,), on the elements of a group, where both vanish on rigid motions.
 
     Adding the squares of functionals that no rotation but 0 annihilates to K changes no eigenvalue, since a rotation can be
@@ -71,10 +79,10 @@ def LargestEigenvalues(upper, group):
     except np.linalg.LinAlgError as error:
         raise ProblemError("the material is not positive definite at some quadrature point of the elements; look at its sign "
                            "and size everywhere, where it is a function") from error
-    return np.linalg.eigvalsh(factor @ upper @ np.swapaxes(factor, 1, 2))[:, -1]
+    return cast(Array, np.linalg.eigvalsh(factor @ upper @ np.swapaxes(factor, 1, 2))[:, -1])
 
 
-def Penalty(value, weighting, operators):
+def Penalty(value: float | str, weighting: str | None, operators: FacetOperators) -> ScalarPenalty | ElasticPenalty:
     """The penalty of a method: "auto" or a number, weighted by "mu" or by "C"; None is "C" for "auto" and "mu" for a number."""
     if weighting is None:
         weighting = "C" if value == "auto" else "mu"
@@ -83,7 +91,7 @@ def Penalty(value, weighting, operators):
     return ScalarPenalty(value, operators)
 
 
-def _Scale(operators):
+def _Scale(operators: FacetOperators) -> Array:
     """order^2/h_e over facets, h_e the diameter of e [1/length]."""
     return operators.order ** 2 / operators.facets.diameter
 
@@ -95,27 +103,27 @@ class ScalarPenalty:
     kappa_K = 1/MARGIN on the worst element.
     """
 
-    def __init__(self, value, operators):
+    def __init__(self, value: float | str, operators: FacetOperators) -> None:
         mesh, facets = operators.mesh, operators.facets
         points = VolumePoints(mesh, 2 * operators.order)
         shear = np.zeros(mesh.ne)
         np.maximum.at(shear, points["nr"], operators.material.ShearAt(points))
         unit = facets.LargestNeighbour(shear) * _Scale(operators)
         needed = ElementBounds(operators, operators.share / unit, PlainBound).max(initial=0)
-        self.value = MARGIN * needed if value == "auto" else value
+        self.value = MARGIN * needed if value == "auto" else cast(float, value)
         self.kappa = needed / self.value
         self._facets, self._operators, self._weights = facets, operators, self.value * unit
 
-    def FacetMatrix(self, patch):
+    def FacetMatrix(self, patch: FacetPatch) -> Array:
         """<P(mu):[nu]>, (n, r, r)."""
         weight = self._operators.share[patch.facets] * self._weights[patch.facets]
-        return sum(weight[:, None, None] * self._operators.plainjumps(side) for side in patch.sides)
+        return cast(Array, sum(weight[:, None, None] * self._operators.plainjumps(side) for side in patch.sides))
 
     @cached_property
-    def _weight(self):
+    def _weight(self) -> GridFunction:
         return self._facets.Function(self._weights)
 
-    def Interior(self, w, n):
+    def Interior(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction:
         return self._weight * Sym(OuterProduct(w, n))
 
     Boundary = Interior
@@ -128,32 +136,33 @@ class ElasticPenalty:
     kappa_K = 1/MARGIN.  Source: Hansbo and Larson, Comput. Methods Appl. Mech. Engrg. 191 (2002).
     """
 
-    def __init__(self, value, operators):
+    def __init__(self, value: float | str, operators: FacetOperators) -> None:
         facets, share = operators.facets, operators.share
         self._facets, self._operators = facets, operators
-        self._onfacets = facets.measure if value == "auto" else value * _Scale(operators)
+        self._onfacets = facets.measure if value == "auto" else cast(float, value) * _Scale(operators)
         needed = ElementBounds(operators, share / self._onfacets, ElasticBound)
         self._inelements = MARGIN * needed if value == "auto" else np.ones(operators.mesh.ne)
         self.kappa = 1 / MARGIN if value == "auto" else needed.max(initial=0)
 
-    def FacetMatrix(self, patch):
+    def FacetMatrix(self, patch: FacetPatch) -> Array:
         """<P(mu):[nu]>, (n, r, r)."""
         weights = (self._operators.share * self._onfacets)[patch.facets, None] * self._inelements[patch.elements]
         sides = patch.sides
         if self._operators.material.bonus == 0:     # C is the same on both sides
             weights, sides = weights.sum(axis=1, keepdims=True), sides[:1]
-        return sum(weight[:, None, None] * self._operators.elasticjumps(side) for weight, side in zip(weights.T, sides))
+        return cast(Array, sum(weight[:, None, None] * self._operators.elasticjumps(side)
+                               for weight, side in zip(weights.T, sides)))
 
     @cached_property
-    def _functions(self):
+    def _functions(self) -> tuple[GridFunction, GridFunction]:
         gamma = GridFunction(L2(self._operators.mesh, order=0, dgjumps=True))
         gamma.vec.FV().NumPy()[:] = self._inelements
         return gamma, self._facets.Function(self._onfacets)
 
-    def Interior(self, w, n):
+    def Interior(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction:
         (gamma, weight), jump, material = self._functions, Sym(OuterProduct(w, n)), self._operators.material
         return 0.5 * weight * (gamma * material.Stress(jump) + gamma.Other() * material.OtherStress(jump))
 
-    def Boundary(self, w, n):
+    def Boundary(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction:
         gamma, weight = self._functions
         return weight * gamma * self._operators.material.Stress(Sym(OuterProduct(w, n)))

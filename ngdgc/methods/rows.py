@@ -4,18 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, cast
 
 import numpy as np
 from ngsolve import Mesh
 
 from ..blocks.operators import FacetOperators
+from ..contracts import Array
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
 from ..tools.values import Among, HIGHEST, Integer, PositiveNumber
 from .discontinuous import DiscontinuousGalerkin
 from .guarantee import ALWAYS, UNKNOWN, Bounded, Guarantee
-from .penalty import MARGIN, LargestEigenvalues, Penalty
+from .penalty import MARGIN, ElasticPenalty, LargestEigenvalues, Penalty, ScalarPenalty
 
 
 @ByKeyword
@@ -57,7 +58,7 @@ class PenalisedRow(DiscontinuousGalerkin):
         self._CheckForm()
         self._CheckLifting()
 
-    def _CheckLifting(self):
+    def _CheckLifting(self) -> None:
         if not isinstance(self.singular, bool):
             raise ProblemError(f"singular is {self.singular!r}; give True or False")
         if self.liftorder is not None:
@@ -95,7 +96,7 @@ class PenalisedRow(DiscontinuousGalerkin):
             guarantee = UNKNOWN     # singular, which only eigenvalues see
         return operators, rule, eta, self._Told(guarantee)
 
-    def _OfJumps(self, rule, operators):
+    def _OfJumps(self, rule: ScalarPenalty | ElasticPenalty, operators: FacetOperators) -> Guarantee:
         """What the penalty of the jumps guarantees: |(1 + theta) <[u],{C eps(u)}>| is what Young's inequality has to bound."""
         if self.theta == -1:
             return ALWAYS
@@ -103,14 +104,14 @@ class PenalisedRow(DiscontinuousGalerkin):
             return UNKNOWN      # the form has another coupling than the one that was estimated
         return Bounded(rule.kappa * ((1 + self.theta) / 2) ** 2)
 
-    def _Told(self, guarantee):
+    def _Told(self, guarantee: Guarantee) -> Guarantee:
         """A guarantee with words, where it may not hold: an automatic penalty keeps its bound."""
         if guarantee.holds or self.penalty == "auto" and guarantee.kappa is not None:
             return guarantee
         value = self.penalty if isinstance(self.penalty, str) else f"{self.penalty:g}"
         return replace(guarantee, culprit=f"penalty={value}", remedy=self._Remedy(guarantee.kappa))
 
-    def _Remedy(self, kappa):
+    def _Remedy(self, kappa: float | None) -> str:
         """What to do about a lost coercivity."""
         if kappa is not None:
             # The bound is inversely proportional to the penalty; one per cent more than needed survives the rounding.
@@ -196,7 +197,7 @@ class LDG(PenalisedRow):
     name, globallift, stabilisation = "LDG", True, "jump"
 
 
-def _NeededLifting(operators, form):
+def _NeededLifting(operators: FacetOperators, form: str) -> tuple[int, float]:
     """(largest number of facets of an element, an eta above which the form with eta sum_e (C r_e, r_e) is coercive)."""
     facets = max(int((operators.share[group.facets] > 0).sum(axis=1).max()) for group in operators.groups)
     if form == "lifting" or operators.contains:
@@ -205,4 +206,5 @@ def _NeededLifting(operators, form):
     couplings = [operators.EdgeCoupling(group) for group in operators.groups]
     if any(coupling is None for coupling in couplings):
         return facets, np.inf
-    return facets, max(LargestEigenvalues(coupling, group).max() for coupling, group in zip(couplings, operators.groups))
+    return facets, max(LargestEigenvalues(cast(Array, coupling), group).max()
+                       for coupling, group in zip(couplings, operators.groups))

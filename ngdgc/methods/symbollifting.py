@@ -8,15 +8,25 @@ with W = M_Q^-1 M_C M_Q^-1, where the facets are coloured so that no element has
 to a colour is the sum of its r_e, whose supports do not meet.  The lifting form has R' M_Q^-1 B in place of -<[v], {C eps(u)}>.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import L2, VOL, BilinearForm, ElementId, InnerProduct, MatrixValued, dx
+from ngsolve import (VOL, BaseMatrix, BilinearForm, CoefficientFunction, ElementId, FESpace, GridFunction, InnerProduct, L2,
+                     MatrixValued, dx)
 
-from ..mesh.facets import Csr, Native
+from ..contracts import Array
+from ..mesh.facets import Csr, Facets, Native
 from ..problem.materials import Strain
-from .symbolform import Coefficients, SkeletonForm
+from ..problem.problem import ContactProblem
+from .guarantee import Guarantee
+from .symbolform import Coefficients, Part, SkeletonForm
+
+Moments = Callable[[int], Any]      # of the facets of a colour: scipy CSR from V_h to Q_h, or a vector in Q_h
 
 
 class LiftedSkeletonForm(SkeletonForm):
@@ -26,12 +36,13 @@ class LiftedSkeletonForm(SkeletonForm):
     eta : factor of sum_e (C r_e[u], r_e[v]), or None;  the parts have the penalty of the jumps, or None
     """
 
-    def __init__(self, problem, space, parts, facets, *, liftorder, lifted, globallift, eta, theta, guarantee):
+    def __init__(self, problem: ContactProblem, space: FESpace, parts: Sequence[Part], facets: Facets, *, liftorder: int,
+                 lifted: bool, globallift: bool, eta: float | None, theta: int, guarantee: Guarantee) -> None:
         super().__init__(problem, space, parts, theta=theta, guarantee=guarantee)
         self.facets, self.lifted, self.globallift, self.eta = facets, lifted, globallift, eta
         self.liftings = MatrixValued(L2(space.mesh, order=liftorder, dgjumps=True), symmetric=True)
 
-    def Matrix(self):
+    def Matrix(self) -> BaseMatrix:
         """The matrix of B_h."""
         form = self._Energy()
         if not self.lifted:
@@ -43,13 +54,13 @@ class LiftedSkeletonForm(SkeletonForm):
             matrix = matrix + coupling.T + self.theta * coupling
         return Native(matrix)
 
-    def Norm(self):
+    def Norm(self) -> BaseMatrix:
         """The matrix of g_h + stabilisation + (C r_0, r_0)."""
         form = self._Energy()
         self._AddPenalty(form)
         return Native(Csr(form.Assemble().mat) + self._Stabilisation(self._B(), self._B()))
 
-    def Prescribed(self):
+    def Prescribed(self) -> dict[str, Array]:
         """The load of weakly prescribed displacements, {region: (ndof,)}."""
         v, loads, given = self.space.TestFunction(), {}, self._Given()
         for part in self.parts:
@@ -65,11 +76,11 @@ class LiftedSkeletonForm(SkeletonForm):
                 loads[part.region] = load
         return loads
 
-    def Fluxes(self, gfu):
+    def Fluxes(self, gfu: GridFunction) -> dict[str | None, Array]:
         """The numerical flux tested on each set of facets, {region, or None between elements: (ndof,)}."""
         v, vector, tested, given = self.space.TestFunction(), gfu.vec.FV().NumPy(), {}, self._Given()
 
-        def Mismatch(colour):
+        def Mismatch(colour: int) -> Array:
             return self._B()(colour) @ vector - sum(data[colour] for data in given.values())
 
         for part in self.parts:
@@ -86,7 +97,7 @@ class LiftedSkeletonForm(SkeletonForm):
         return tested
 
     @cached_property
-    def _moments(self):
+    def _moments(self) -> dict[tuple[str | None, int], sp.csr_matrix]:
         """{(region, or None between elements, colour): -<[v], {q}>} as CSR from V_h to Q_h."""
         v, q = self.space.TrialFunction(), self.liftings.TestFunction()
         found = {}
@@ -97,32 +108,34 @@ class LiftedSkeletonForm(SkeletonForm):
                 found[part.region, colour] = Csr(form.Assemble().mat)
         return found
 
-    def _Given(self):
+    def _Given(self) -> dict[str, list[Array]]:
         """{region: [-<w_D, {q}> for every colour]}, the moments of the prescribed values, whose Parameters may be set anew."""
         # NGSolve has no linear forms of symmetric matrix functions on facets: tested with 1 in a bilinear form instead.
         constants = L2(self.space.mesh, order=0, dgjumps=True)
         one, q = constants.TrialFunction(), self.liftings.TestFunction()
-        found = {part.region: [] for part in self.parts if part.region is not None}
+        found: dict[str, list[Array]] = {part.region: [] for part in self.parts if part.region is not None}
         for part in self.parts:
-            for indicator in self._indicators if part.region is not None else ():
+            if part.region is None:
+                continue
+            for indicator in self._indicators:
                 form = BilinearForm(trialspace=constants, testspace=self.liftings)
                 form += -indicator * one * (part.value * part.MeanOf(q)) * part.measure
                 found[part.region].append(Csr(form.Assemble().mat) @ np.ones(constants.ndof))
         return found
 
     @cached_property
-    def _indicators(self):
+    def _indicators(self) -> list[GridFunction]:
         """Facet functions that are 1 on the facets of one colour, where r_e is needed, else the constant 1."""
         if self.eta is None:
             return [self.facets.Function(np.ones(len(self.facets.neighbours)))]
         colours = self._Colours()
         return [self.facets.Function(colours == colour) for colour in range(colours.max() + 1)]
 
-    def _Colours(self):
+    def _Colours(self) -> np.ndarray:
         """Colours of the facets such that no element has two facets of one colour: greedy, over facets."""
         elements = self.facets.incidence
         colours = np.zeros(elements.shape[0], dtype=int)
-        used = [set() for _ in range(elements.shape[1])]
+        used: list[set[int]] = [set() for _ in range(elements.shape[1])]
         for facet in range(len(colours)):
             around = elements.indices[elements.indptr[facet]:elements.indptr[facet + 1]]
             taken = set().union(*(used[element] for element in around))
@@ -131,15 +144,15 @@ class LiftedSkeletonForm(SkeletonForm):
                 used[element].add(colours[facet])
         return colours
 
-    def _B(self, region=...):
+    def _B(self, region: Any = ...) -> Moments:
         """The moments of all parts, or of one region, as a function of the colour."""
         return lambda colour: sum(moments for (own, number), moments in self._moments.items()
                                   if number == colour and region in (..., own))
 
-    def _Sum(self, moments):
+    def _Sum(self, moments: Moments) -> Any:
         return sum(moments(colour) for colour in range(len(self._indicators)))
 
-    def _Stabilisation(self, left, right):
+    def _Stabilisation(self, left: Moments, right: Moments) -> Any:
         """left' W right for r_0, plus eta left_c' W right_c over the colours c for r_e, as far as the method has them."""
         total = 0 * (self._Sum(left).T @ self._Sum(right))
         if self.globallift:
@@ -150,20 +163,20 @@ class LiftedSkeletonForm(SkeletonForm):
         return total
 
     @cached_property
-    def _R(self):
+    def _R(self) -> sp.csr_matrix:
         u, q = self.space.TrialFunction(), self.liftings.TestFunction()
         form = BilinearForm(trialspace=self.space, testspace=self.liftings)
         form += InnerProduct(self.material.Stress(Strain(u)), q) * self.volume
         return Csr(form.Assemble().mat)
 
-    def _Mass(self, stress):
+    def _Mass(self, stress: Callable[[CoefficientFunction], CoefficientFunction]) -> sp.csr_matrix:
         p, q = self.liftings.TnT()
         form = BilinearForm(self.liftings)
         form += InnerProduct(stress(p), q) * dx(bonus_intorder=self.material.bonus)
         return Csr(form.Assemble().mat)
 
     @cached_property
-    def _inverse(self):
+    def _inverse(self) -> sp.csr_matrix:
         """M_Q^-1, block-diagonal over elements."""
         mass = self._Mass(lambda p: p)
         blocks = [np.array(self.liftings.GetDofNrs(ElementId(VOL, element))) for element in range(self.space.mesh.ne)]
@@ -172,5 +185,5 @@ class LiftedSkeletonForm(SkeletonForm):
         return inverse[order][:, order]
 
     @cached_property
-    def _W(self):
+    def _W(self) -> sp.csr_matrix:
         return self._inverse @ self._Mass(self.material.Stress) @ self._inverse

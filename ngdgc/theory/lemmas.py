@@ -124,7 +124,7 @@ def DualNorm(disc: Discretization, functional: Array) -> float:
     with Threads(disc.mesh):
         inverse = SparseInverse(FreePart(NormMatrix(disc), free))
     values = functional[np.flatnonzero(list(free))]
-    return float(np.sqrt(max(values @ inverse(values), 0)))
+    return float(np.sqrt(max(float(values @ inverse(values)), 0)))
 
 
 @ByKeyword

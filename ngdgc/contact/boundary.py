@@ -7,7 +7,7 @@ body exerts on the foundation, t = p_n n + p_t lambda, the discrete problem read
 from __future__ import annotations
 
 from copy import copy
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import scipy.sparse as sp
@@ -59,7 +59,7 @@ class ContactBoundary:
         dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
         self.members = SharedPoints(trace[::dim], normals, owner)           # pairs -> n
         _, first = np.unique(self.members, return_index=True)
-        self.weights = np.bincount(self.members, weights)
+        self.weights = cast(Array, np.bincount(self.members, weights))
         mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))   # n, pairs
         _, number = np.unique(self.boundaryelements, return_inverse=True)
         self.measures = mean @ np.bincount(number, weights)[number]

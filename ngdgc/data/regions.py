@@ -21,7 +21,7 @@ def RegionName(region: Any, name: str) -> str:
     return str(region)
 
 
-def Matching(mesh: Mesh, region: str, name: str, *, kind: str = "boundary", there: slice = slice(None),
+def Matching(mesh: Mesh, region: str, name: str, *, kind: str = "boundary", there: slice | np.ndarray = slice(None),
              note: str = "") -> np.ndarray:
     """True for what a region matches, over the numbers of boundaries or materials (`kind`); ProblemError if that is nothing.
 

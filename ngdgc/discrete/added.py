@@ -1,11 +1,16 @@
 """Forms of the user's own that are added to a problem: springs, a convection, a load."""
 
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
 import numpy as np
-from ngsolve import BilinearForm, LinearForm, Norm
+from ngsolve import BilinearForm, FESpace, LinearForm, Norm
 
 from ..exceptions import ProblemError
 from ..mesh.checks import CheckSkeleton
-from ..mesh.facets import Csr, Threads
+from ..mesh.facets import Csr, Facets, Threads
 
 SPELLING = "write dx, dx(skeleton=True) between elements of a discontinuous method, or ds(skeleton=True, definedon=...)"
 # How NGSolve prints the integrators of these: over elements, and over facets.
@@ -21,14 +26,15 @@ class AddedForms:
     matrix : the sum of the bilinear forms, scipy CSR (ndof, ndof), or None;  load : that of the linear ones (ndof,), or None
     """
 
-    def __init__(self, space, facets, forms=(), parts=()):
+    def __init__(self, space: FESpace, facets: Facets, forms: Sequence[BilinearForm | LinearForm] = (),
+                 parts: Sequence[Any] = ()) -> None:
         self.space, self.facets, self._forms, self._parts = space, facets, list(forms), list(parts)
         self.matrix, self.load = self._Sum(BilinearForm), self._Sum(LinearForm)
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return bool(self._forms)
 
-    def And(self, form):
+    def And(self, form: Any) -> AddedForms:
         """AddedForms with one form more, checked and assembled; ProblemError for one that is not of the listed kind."""
         self._CheckForm(form)
         self._CheckIntegrals(form)
@@ -42,17 +48,17 @@ class AddedForms:
             raise ProblemError("the form has no integrals; give it some, with +=, before it is added")
         return AddedForms(self.space, self.facets, [*self._forms, form], [*self._parts, part])
 
-    def Current(self):
+    def Current(self) -> AddedForms:
         """The same forms with the values that Parameters in them have now: this object if they are what they were."""
         parts = [self._Assembled(form) for form in self._forms]
         same = all(np.array_equal(getattr(new, "data", new), getattr(old, "data", old)) for new, old in zip(parts, self._parts))
         return self if same else AddedForms(self.space, self.facets, self._forms, parts)
 
-    def _Sum(self, kind):
+    def _Sum(self, kind: type) -> Any:
         parts = [part for form, part in zip(self._forms, self._parts) if isinstance(form, kind)]
         return sum(parts[1:], parts[0]) if parts else None
 
-    def _CheckForm(self, form):
+    def _CheckForm(self, form: Any) -> None:
         """Of the right type and space, before anything is assembled."""
         if not isinstance(form, (BilinearForm, LinearForm)):
             raise ProblemError(f"form is {form!r}; give an NGSolve BilinearForm or LinearForm on disc.space")
@@ -63,7 +69,7 @@ class AddedForms:
             raise ProblemError("form is no sparse square matrix; make it BilinearForm(disc.space), without condense, "
                                "nonassemble, diagonal, geom_free or another test space")
 
-    def _CheckIntegrals(self, form):
+    def _CheckIntegrals(self, form: BilinearForm | LinearForm) -> None:
         """Every integral is over elements or facets, and is not 0, as integrals over boundary elements are on these spaces."""
         for number, integrator in enumerate(form.integrators, start=1):
             kind, alone = str(integrator).strip(), type(form)(self.space)
@@ -77,7 +83,7 @@ class AddedForms:
                 raise ProblemError(f"integral {number} of the form is 0: ds alone has no values of a discontinuous function, a "
                                    f"region may be empty, a Parameter 0; {SPELLING}, and add it while Parameters are not 0")
 
-    def _Assembled(self, form):
+    def _Assembled(self, form: BilinearForm | LinearForm) -> Any:
         """The values of a form, scipy CSR or (ndof,), in memory of their own."""
         try:
             with Threads(self.space.mesh):
@@ -86,7 +92,7 @@ class AddedForms:
             raise ProblemError(f"form cannot be assembled: {str(error).strip().splitlines()[0]}; {SPELLING}") from error
         return Csr(form.mat) if isinstance(form, BilinearForm) else form.vec.FV().NumPy().copy()
 
-    def _CheckBilinear(self, form):
+    def _CheckBilinear(self, form: BilinearForm | LinearForm) -> None:
         """The form is linear in the trial function, and its matrix is what it applies."""
         vector, once, twice, product = (form.mat.CreateColVector() for _ in range(4))
         vector.FV().NumPy()[:] = np.random.default_rng(1).standard_normal(self.space.ndof)

@@ -1,5 +1,9 @@
 """A problem held against a mesh: every mistake in regions and data is named before anything is solved."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from ngsolve import Mesh
 
@@ -8,13 +12,14 @@ from ..data.inside import CheckMaterials
 from ..data.regions import Matching
 from ..exceptions import ProblemError
 from ..mesh.checks import CheckBoundary, CheckElements, CheckSides
-from ..mesh.facets import VolumePoints
+from ..mesh.facets import Facets, VolumePoints
 from ..mesh.quadrature import BoundaryQuadrature
+from ..problem.problem import ContactProblem
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
 
 
-def CheckMesh(problem, mesh):
+def CheckMesh(problem: ContactProblem, mesh: Any) -> None:
     """Raise ProblemError unless the mesh is one, of the dimension of the problem."""
     if not isinstance(mesh, Mesh):
         raise ProblemError(f"mesh is {mesh!r}; give an ngsolve.Mesh, for example Mesh(geometry.GenerateMesh(maxh=0.1))")
@@ -27,10 +32,11 @@ def CheckMesh(problem, mesh):
     CheckElements(mesh)
 
 
-def CheckRegions(problem, mesh, facets):
+def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
     """Every region exists, lies on the outer boundary and overlaps no other, and sides of elements are what they seem."""
     CheckSides(facets)
-    names, found = np.array(mesh.GetBoundaries()), []
+    names = np.array(mesh.GetBoundaries())
+    found: list[tuple[str, str, np.ndarray]] = []
     for kind, region in problem.Regions():
         Matching(mesh, region, kind, there=facets.boundary[1], note="; Gamma_C would be empty" if kind == "foundation" else "")
         on = facets.On(region)
@@ -48,7 +54,7 @@ def CheckRegions(problem, mesh, facets):
                                "conditions are for the outer boundary only: rename the interface or the region")
 
 
-def CheckData(problem, mesh, facets):
+def CheckData(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
     """All coefficients are finite, of the right shape and in range at quadrature points."""
     volume = VolumePoints(mesh, CHECK_ORDER)
     problem.material.Check(mesh, volume)
@@ -64,7 +70,7 @@ def CheckData(problem, mesh, facets):
     CheckRollerTractions(problem, facets)
 
 
-def CheckRollerTractions(problem, facets):
+def CheckRollerTractions(problem: ContactProblem, facets: Facets) -> None:
     """A traction on a roller is tangential: the normal one is the reaction to the prescribed displacement."""
     rollers = np.any([facets.On(region) for region in problem.roller], axis=0)
     for region, value in problem.traction.items():

@@ -95,7 +95,7 @@ class DiscreteProblem(LinearEquations):
         current._Read()
         return current
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "
                 f"{self.space.ndof} dofs, {len(self.contact.weights)} contact points)")
 

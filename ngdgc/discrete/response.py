@@ -9,12 +9,17 @@ inverse for each product.  D = 0 is the elastic body alone; D near the slope of 
 and holds a body that nothing else holds.
 """
 
+from __future__ import annotations
+
 from copy import copy
+from typing import cast
 
 import numpy as np
 import scipy.sparse as sp
+from ngsolve import BaseMatrix
 
 from ..contact.equilibrium import Equilibrium
+from ..contracts import Array, InexactInverse, Inverse, LinearProblem
 from ..exceptions import ProblemError
 from ..linear.motions import Deflation
 from ..mesh.facets import Csr, Native, Threads
@@ -23,13 +28,14 @@ from ..mesh.facets import Csr, Native, Threads
 class ContactResponse:
     """S_D of a Discretization or `subspace.Subspace` for a stiffness D (n, d, d), symmetric and nonnegative; None: D = 0."""
 
-    def __init__(self, disc, stiffness=None):
+    def __init__(self, disc: LinearProblem, stiffness: Array | None = None) -> None:
         self.disc, self.contact, self.stiffness = disc, disc.contact, stiffness
         self._inverse = disc.inverse if stiffness is None else self._Factorise()
         motions = disc.motions if stiffness is not None and disc.unresisted else ()
-        self._deflation = Deflation(motions, disc.contact, stiffness) if len(motions) else None
+        self._deflation = Deflation(cast(Array, motions), disc.contact, cast(Array, stiffness)) if len(motions) else None
 
-    def Meet(self, displacement, traction, *, load=1.0, near=None):
+    def Meet(self, displacement: Array, traction: Array, *, load: float = 1.0,
+             near: Equilibrium | None = None) -> tuple[Equilibrium, Array | None, Array | None]:
         """(Equilibrium, s, S_D s): the one that meets t = traction + D (u - displacement), by one application of the inverse.
 
         near : an Equilibrium of the same load; the difference to it is computed, s that of t - D u (n, d)
@@ -43,7 +49,8 @@ class ContactResponse:
         equilibrium = self._Equilibrium(vector, displacement, traction, load)
         return equilibrium, s, near.displacement - equilibrium.displacement
 
-    def Approach(self, vector, displacement, traction, *, part=1.0, most=None):
+    def Approach(self, vector: Array, displacement: Array, traction: Array, *, part: float = 1.0,
+                 most: float | None = None) -> Equilibrium:
         """The Equilibrium of `Meet` nearly, from coefficients (ndof,) nearby, by an inverse that is an iteration.
 
         What is out of balance becomes at most `part` of what it is, and, if given, `most` of the loads; all as Euclidean norms.
@@ -54,30 +61,31 @@ class ContactResponse:
         goal = part * np.linalg.norm(excess)
         if most is not None:
             goal = min(goal, most * np.linalg.norm(disc.load))
-        vector = disc.Iterate(self._inverse, load, tol=goal / (np.linalg.norm(load) or 1), start=vector)
+        vector = disc.Iterate(cast(InexactInverse, self._inverse), load, tol=float(goal / (np.linalg.norm(load) or 1)),
+                              start=vector)
         if self._deflation:
             vector = self._deflation.Balance(vector, load)
         return self._Equilibrium(vector, displacement, traction, 1.0)
 
-    def _Equilibrium(self, vector, displacement, traction, load):
+    def _Equilibrium(self, vector: Array, displacement: Array, traction: Array, load: float) -> Equilibrium:
         u = self.contact.Displacement(vector) + load * self.disc.shift
         return Equilibrium(vector=vector, displacement=u, traction=traction + self.Restoring(u - displacement), load=load)
 
-    def Moved(self, disc):
+    def Moved(self, disc: LinearProblem) -> ContactResponse:
         """The same operator, with its inverse, for a problem with another right-hand side and the same matrix."""
         other = copy(self)
         other.disc, other.contact = disc, disc.contact
         return other
 
-    def Product(self, s):
+    def Product(self, s: Array) -> Array:
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
         return self.contact.Displacement(self._Solve(self.contact.Load(s)))
 
-    def Restoring(self, displacement):
+    def Restoring(self, displacement: Array) -> Array:
         """D u, the traction of the stiffness in the matrix, (n, d)."""
         return np.zeros_like(displacement) if self.stiffness is None else Apply(self.stiffness, displacement)
 
-    def _Displacement(self, load, pull):
+    def _Displacement(self, load: float, pull: Array) -> Array:
         """Coefficients of u under a multiple of the loads and prescribed displacements and a traction on the body, (ndof,)."""
         disc = self.disc
         lift = load * disc.prescribed
@@ -92,15 +100,15 @@ class ContactResponse:
                                "coefficients of extreme size and for degenerate elements")
         return vector
 
-    def _Solve(self, load):
+    def _Solve(self, load: Array) -> Array:
         if self._deflation:
             return self._deflation.Solve(self._Inverse, load)
         return self._Inverse(load)
 
-    def _Inverse(self, load):
+    def _Inverse(self, load: Array) -> Array:
         return self.disc.ApplyInverse(self._inverse, load)
 
-    def _Factorise(self):
+    def _Factorise(self) -> Inverse:
         """The inverse of A + T' W D T."""
         disc, contact = self.disc, self.contact
         n, dim = contact.normals.shape
@@ -118,12 +126,12 @@ class ContactResponse:
             return disc.Factorise(matrix)
 
 
-def Apply(matrices, vectors):
+def Apply(matrices: Array, vectors: Array) -> Array:
     """Products of matrices (n, d, d) and vectors (n, d)."""
     return np.einsum("nij,nj->ni", matrices, vectors)
 
 
-def _Positions(matrix, added):
+def _Positions(matrix: BaseMatrix, added: sp.csr_matrix) -> np.ndarray | None:
     """Where among the entries of an NGSolve matrix those of a CSR matrix are, or None."""
     _, columns, starts = (np.asarray(part) for part in matrix.CSR())
     positions = np.empty(added.nnz, dtype=np.int64)

@@ -1,15 +1,21 @@
 """What holds a body: its rigid motions, and how much supports, foundations and added springs resist them."""
 
+from __future__ import annotations
+
 from functools import cached_property
+from typing import cast
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import CF, L2, GridFunction
+from ngsolve import CF, FESpace, GridFunction, L2
 
+from ..contact.boundary import ContactBoundary
 from ..contact.parts import ContactPart, OverParts
+from ..contracts import Array
 from ..exceptions import ProblemError
-from ..mesh.facets import Projected, RigidMotions, RigidMotionsAt
+from ..mesh.facets import Facets, Projected, RigidMotions, RigidMotionsAt
 from ..mesh.quadrature import BoundaryQuadrature
+from ..problem.problem import ContactProblem
 
 SOFT = 1e-3         # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
 NOTHING = 1e-12     # of the energy of a motion, relative to the sizes of its terms
@@ -28,21 +34,22 @@ class Restraints:
     unresisted : words for those that added forms do not resist either, so that only contact does, or None
     """
 
-    def __init__(self, problem, facets, contact, space, added):
+    def __init__(self, problem: ContactProblem, facets: Facets, contact: ContactBoundary, space: FESpace,
+                 added: sp.csr_matrix | None) -> None:
         self.facets, self.contact = facets, contact
         self._supports, self._foundations = Supports(problem, facets, contact)
         self._springs = np.zeros_like(self._supports) if added is None else Springs(facets, space, added)
 
     @cached_property
-    def loose(self):
+    def loose(self) -> str | None:
         return FreeMotion(self.facets, self._supports)
 
     @cached_property
-    def unresisted(self):
+    def unresisted(self) -> str | None:
         return self.loose and FreeMotion(self.facets, self._supports, self._springs)
 
     @property
-    def soft(self):
+    def soft(self) -> sp.csr_matrix | None:
         """A soft stiffness of Gamma_C, scipy CSR, that makes norms definite where dirichlet and roller do not, or None."""
         if not self.loose:
             return None
@@ -50,14 +57,14 @@ class Restraints:
         weights = np.repeat(SOFT / contact.flexibility * contact.weights, contact.dim)
         return (contact.trace.T @ sp.diags(weights) @ contact.trace).tocsr()
 
-    def Check(self):
+    def Check(self) -> None:
         """Raise ProblemError for a body with a rigid motion that nothing resists."""
         if free := self.unresisted and FreeMotion(self.facets, self._supports, self._springs, self._foundations):
             raise ProblemError(f"the body floats: nothing resists {free}, neither dirichlet nor roller nor a foundation with a "
                                "stiffness nor an added form; hold it with dirichlet or roller")
 
 
-def Supports(problem, facets, contact):
+def Supports(problem: ContactProblem, facets: Facets, contact: ContactBoundary) -> tuple[Array, Array]:
     """How much dirichlet and roller, and how much foundations resist rigid motions, two arrays (parts, modes, modes).
 
     A motion is resisted where the displacement it causes is prescribed, on all components or on the normal one; a
@@ -80,7 +87,7 @@ def Supports(problem, facets, contact):
     return held, touched
 
 
-def _Resistance(facets, contact):
+def _Resistance(facets: Facets, contact: ContactBoundary) -> tuple[np.ndarray, np.ndarray]:
     """(pressure, friction): True where the law gives one at some depth up to the size of the body, over contact points."""
     pressed, rubbed = np.zeros((2, len(contact.weights)), dtype=bool)
     for depth in _Centres(facets)[1] * DEPTHS:
@@ -92,11 +99,11 @@ def _Resistance(facets, contact):
     return pressed, rubbed
 
 
-def FreeMotion(facets, *resistances):
+def FreeMotion(facets: Facets, *resistances: Array) -> str | None:
     """Words for the rigid motions that nothing of (parts, modes, modes) resists, or None."""
     # Each by its own size: they have different units.
     sizes = [np.trace(grams, axis1=1, axis2=2)[:, None, None] for grams in resistances]
-    total = sum(grams / np.where(size > 0, size, 1) for grams, size in zip(resistances, sizes))
+    total = cast(Array, sum(grams / np.where(size > 0, size, 1) for grams, size in zip(resistances, sizes)))
     for part, gram in enumerate(total):
         # The modes are scaled to the body, so zero means zero to round-off.
         free = _Null(gram)
@@ -105,13 +112,13 @@ def FreeMotion(facets, *resistances):
     return None
 
 
-def Springs(facets, space, matrix):
+def Springs(facets: Facets, space: FESpace, matrix: sp.csr_matrix) -> Array:
     """How much a matrix (scipy) on a space resists rigid motions, matrices (parts, modes, modes) of no unit."""
     dim, (centres, size) = facets.mesh.dim, _Centres(facets)
     here, grams = GridFunction(L2(facets.mesh, order=0)), []
     for part, centre in enumerate(centres):
         here.vec.FV().NumPy()[:] = facets.component == part
-        modes = []
+        modes: list[Array] = []
         for mode, shift in zip(RigidMotions(dim), RigidMotionsAt(centre[None])):
             turning = len(modes) >= dim
             modes.append(Projected(space, here * ((mode - CF(tuple(shift[0]))) / size if turning else mode)))
@@ -124,12 +131,12 @@ def Springs(facets, space, matrix):
     return np.array(grams)
 
 
-def _Null(gram):
+def _Null(gram: Array) -> Array:
     values, vectors = np.linalg.eigh(gram)
     return vectors[:, values <= 1e-10 * np.trace(gram)].T
 
 
-def _CentredMotions(facets, coordinates, elements):
+def _CentredMotions(facets: Facets, coordinates: Array, elements: np.ndarray) -> Array:
     """Rigid motions of every connected part at points in elements, (parts, modes, n, d), scaled to the size of the body."""
     centres, size = _Centres(facets)
     parts = facets.component[elements]
@@ -137,7 +144,7 @@ def _CentredMotions(facets, coordinates, elements):
     return np.array([motions * (parts == part)[None, :, None] for part in range(len(centres))])
 
 
-def _Centres(facets):
+def _Centres(facets: Facets) -> tuple[Array, float]:
     """(centres (parts, d) of the connected parts, size of the body), from the vertices of elements: there may be others."""
     points, parts = facets.mesh.ngmesh.Coordinates()[:, :facets.mesh.dim], facets.component
     members = []
@@ -148,7 +155,7 @@ def _Centres(facets):
     return np.array([member.mean(axis=0) for member in members]), np.ptp(np.concatenate(members), axis=0).max()
 
 
-def _Words(null, facets, part):
+def _Words(null: Array, facets: Facets, part: int) -> str:
     """Words for a basis of free motions, over translations and rotations."""
     dim = facets.mesh.dim
     centre = _Centres(facets)[0][part]

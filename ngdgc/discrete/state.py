@@ -5,7 +5,9 @@ was there is remembered, and compared when it is used.  Parameters are meant to 
 and what it has computed keeps the values that it has read.
 """
 
-from collections.abc import Callable
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from functools import wraps
 from typing import Any, TypeVar, cast
@@ -13,15 +15,16 @@ from zlib import crc32
 
 import numpy as np
 from netgen.libngpy._meshing import NgException
-from ngsolve import CoefficientFunction, GridFunction, Parameter
+from ngsolve import CoefficientFunction, GridFunction, Mesh, Parameter
 
 from ..exceptions import ProblemError
+from ..problem.problem import ContactProblem
 from ..tools.formula import Plain
 
 Method = TypeVar("Method", bound=Callable[..., Any])
 
 
-def Leaves(function):
+def Leaves(function: Any) -> list[CoefficientFunction]:
     """The Parameters and GridFunctions that a CoefficientFunction is made of, each once, in the order of its tree.
 
     Not those below the few operations, such as Interpolate, whose operands NGSolve does not tell.
@@ -44,7 +47,7 @@ def Leaves(function):
     return found
 
 
-def Data(problem):
+def Data(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
     """(name, value) of everything that a problem is given by, as messages call it."""
     yield from ((f"material: {name}", value) for name, value in vars(problem.material).items())
     for foundation in problem.foundation:
@@ -61,23 +64,23 @@ def Data(problem):
 class State:
     """A mesh and the data of a problem, as they are now; Parameters keep the values that they have now."""
 
-    def __init__(self, problem, mesh):
+    def __init__(self, problem: ContactProblem, mesh: Mesh) -> None:
         self.mesh, self._mesh, self._nested = mesh, MeshState(mesh), False
         leaves = [(name, leaf) for name, value in _Functions(problem) for leaf in Leaves(value)]
         self._parameters = [(name, leaf, leaf.Get()) for name, leaf in leaves if isinstance(leaf, Parameter)]
         self._fields = [(name, leaf, _Digest(leaf)) for name, leaf in leaves if isinstance(leaf, GridFunction)]
         self._laws = [(name, law, _Plain(law)) for name, law in _Laws(problem)]
 
-    def Parameters(self):
+    def Parameters(self) -> list[str]:
         """The names of the data in which a Parameter has another value now, a list."""
         return list(dict.fromkeys(name for name, leaf, value in self._parameters if leaf.Get() != value))
 
-    def CheckMesh(self):
+    def CheckMesh(self) -> None:
         """Raise ProblemError if the mesh has changed."""
         if what := self._mesh.Changed(self.mesh):
             raise ProblemError(f"{what} after the Discretization was made; make a new one")
 
-    def CheckFixed(self):
+    def CheckFixed(self) -> None:
         """Raise ProblemError if anything but Parameters has changed."""
         self.CheckMesh()
         changed = [name for name, leaf, digest in self._fields if _Digest(leaf) != digest]
@@ -88,14 +91,14 @@ class State:
             raise ProblemError(f"{', '.join(changed)}: a GridFunction or a number of a law was changed after the "
                                "Discretization was made; make a new one, or use a Parameter, which Solve reads when it begins")
 
-    def CheckMaterial(self):
+    def CheckMaterial(self) -> None:
         """Raise ProblemError if a Parameter in the material has another value: its stress could not be given."""
         if changed := [name for name in self.Parameters() if name.startswith("material")]:
             raise ProblemError(f"a Parameter in {', '.join(changed)} was set anew since the solution was computed; set it back "
                                "to look at its stress")
 
     @contextmanager
-    def Restored(self):
+    def Restored(self) -> Iterator[None]:
         """A time in which Parameters have the values that they had; ProblemError if anything else has changed."""
         if self._nested:
             yield
@@ -113,11 +116,11 @@ class State:
                 leaf.Set(value)
 
 
-def _Digest(field):
+def _Digest(field: GridFunction) -> int:
     return crc32(field.vec.FV().NumPy())
 
 
-def _Laws(problem):
+def _Laws(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
     """(words, law) of the laws with attributes, also frozen ones: a list or an array in them may be changed in place."""
     for foundation in problem.foundation:
         for role in ("compliance", "friction"):
@@ -126,9 +129,9 @@ def _Laws(problem):
                 yield f"{role} on {foundation.boundary!r}", law
 
 
-def _Plain(law):
+def _Plain(law: Any) -> dict[str, Hashable]:
     """What tells the attributes of a law apart, {name: value}; functions and other objects by their identity."""
-    def Told(value):
+    def Told(value: Any) -> Hashable:
         if isinstance(value, np.ndarray):
             return value.tobytes()
         if isinstance(value, (list, tuple)):    # which may be changed in place, too
@@ -139,7 +142,7 @@ def _Plain(law):
     return {name: Told(value) for name, value in vars(law).items()}
 
 
-def _Functions(problem):
+def _Functions(problem: ContactProblem) -> Iterator[tuple[str, CoefficientFunction]]:
     for name, value in Data(problem):
         if isinstance(value, CoefficientFunction):
             yield name, value
@@ -159,7 +162,7 @@ def AsRead(method: Method) -> Method:
 class MeshState:
     """The points, elements, names, order and deformation of a mesh, as they are now."""
 
-    def __init__(self, mesh):
+    def __init__(self, mesh: Mesh) -> None:
         self.order = mesh.GetCurveOrder()
         self.names = mesh.GetMaterials(), mesh.GetBoundaries()
         self.points = mesh.ngmesh.Coordinates().copy()
@@ -168,11 +171,11 @@ class MeshState:
         self.elements = [indices.copy() for indices in self._Indices(mesh)]
         self.deformation = None if mesh.deformation is None else mesh.deformation.vec.FV().NumPy().copy()
 
-    def _Indices(self, mesh):
+    def _Indices(self, mesh: Mesh) -> list[np.ndarray]:
         """Region numbers of elements and boundary elements, views."""
         return [np.frombuffer(array, dtype)["index"] for array, dtype in zip(_Elements(mesh), self.types)]
 
-    def Changed(self, mesh):
+    def Changed(self, mesh: Mesh) -> str | None:
         """What has happened to the mesh since, in words, or None."""
         elements, points = self._Indices(mesh), mesh.ngmesh.Coordinates()
         if [len(array) for array in elements] != [len(array) for array in self.elements] or points.shape != self.points.shape:
@@ -185,13 +188,13 @@ class MeshState:
             return "regions of the mesh were renamed"
         if not all(np.array_equal(indices, before) for indices, before in zip(elements, self.elements)):
             return "elements of the mesh were given other regions"
-        deformation = None if mesh.deformation is None else mesh.deformation.vec.FV().NumPy()
-        if (deformation is None) != (self.deformation is None) or not np.array_equal(deformation, self.deformation):
+        deformation, before = None if mesh.deformation is None else mesh.deformation.vec.FV().NumPy(), self.deformation
+        if deformation is not before and (deformation is None or before is None or not np.array_equal(deformation, before)):
             return "the deformation of the mesh was set, changed or taken away"
         return None
 
 
-def _Elements(mesh):
+def _Elements(mesh: Mesh) -> list[Any]:
     """Netgen's elements and boundary elements, its own arrays."""
     kinds = (mesh.ngmesh.Elements1D, mesh.ngmesh.Elements2D, mesh.ngmesh.Elements3D)[mesh.dim - 2:mesh.dim]
     return [kind() for kind in kinds]

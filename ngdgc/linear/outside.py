@@ -46,7 +46,7 @@ def Made(inverter: Inverter, matrix: Any, disc: Any) -> Any:
     return OutsideInverse(name, inverse, matrix, disc)
 
 
-def _Mark(matrix):
+def _Mark(matrix: Any) -> int:
     """A number that tells the entries of an NGSolve matrix from others."""
     return crc32(matrix.AsVector().FV().NumPy())
 

@@ -71,8 +71,9 @@ def Correlation(operators: FacetOperators, lifted: bool) -> Guarantee:
         that of the edge form, - int_dK {C eps(v)} n.w, which is the same where C eps(V_h) lies in Q_h.  Where it does not there
         may be jumps that are not lifted and work all the same: no kappa_K bounds that
     """
-    words = {} if lifted else {"culprit": "form='edge' without a penalty, for a material that varies within elements,",
-                               "remedy": "take form='lifting', which is coercive for every material, or LDG()"}
+    words: dict[str, Any] = {} if lifted else {
+        "culprit": "form='edge' without a penalty, for a material that varies within elements,",
+        "remedy": "take form='lifting', which is coercive for every material, or LDG()"}
     largest = 0.0
     for star in operators.Stars():
         lift = np.concatenate(operators.Liftings(star), axis=2)

@@ -7,11 +7,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from ngsolve import Mesh
 
+from ..contact.boundary import ContactBoundary
+from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from ..mesh.coarsening import CoarserMesh
@@ -70,7 +72,8 @@ class NestedNewtonSolver:
             return ContactSolution(disc, found.vector, found.traction, history=found.history, solver=repr(self),
                                    levels=[*levels, _Level(disc, found.history, seconds, True)])
 
-    def _Predict(self, solver, disc, callback):
+    def _Predict(self, solver: SemismoothNewtonSolver, disc: DiscreteProblem,
+                 callback: Callable[[Step], object] | None) -> tuple[list[Level], tuple[Array, Array] | None]:
         """(levels, start): what the coarser meshes took, and what they predict for the Discretization, or None."""
         levels, start, meshes = [], None, [*self._Coarse(disc), disc]
         coarse: Any
@@ -91,15 +94,17 @@ class NestedNewtonSolver:
             coarse = solution = None    # with the factors: the next ones need the memory
         return levels, start
 
-    def _Coarse(self, disc):
+    def _Coarse(self, disc: DiscreteProblem) -> list[DiscreteProblem]:
         try:
             return _Coarse(disc, self.coarser)
         except ProblemError as error:
             raise error if self.coarser is None else ProblemError(f"coarser: {error}") from error
 
-    def _Finest(self, solver, disc, prediction, callback):
+    def _Finest(self, solver: SemismoothNewtonSolver, disc: DiscreteProblem, prediction: tuple[Array, Array] | None,
+                callback: Callable[[Step], object] | None) -> tuple[ContactSolution, float]:
         """(solution, seconds) from the prediction, else from rest, else from other starts."""
-        begin, failure = time.perf_counter(), None
+        begin = time.perf_counter()
+        failure: NotConvergedError | None = None
         for start in chain([prediction, None] if prediction else [None], Starts(disc)):
             if failure is not None and time.perf_counter() - begin > SECONDS:
                 break
@@ -108,26 +113,27 @@ class NestedNewtonSolver:
             except NotConvergedError as error:
                 # The one from rest tells most: others start where nobody would.
                 failure = error if failure is None or start is None else failure
-        raise failure
+        raise cast(NotConvergedError, failure)      # there is a start at least
 
 
-def _Show(Tell, unknowns, step):
+def _Show(Tell: Callable[[Prediction], object], unknowns: int, step: Step) -> None:
     Tell(Prediction(**vars(step), unknowns=unknowns))
 
 
-def _Level(disc, history, seconds, converged):
+def _Level(disc: DiscreteProblem, history: Sequence[Step], seconds: float, converged: bool) -> Level:
     return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(history), disc.solves, disc.cycles,
                  disc.factorisation, seconds, converged)
 
 
-def _Coarse(disc, meshes):
+def _Coarse(disc: DiscreteProblem, meshes: Sequence[Mesh] | None) -> list[DiscreteProblem]:
     """Discretizations that predict, the coarsest first: on the meshes given, else on meshes made for the purpose.
 
     Where no mesh can be made, or the data cannot be evaluated on it, order 1 on the same mesh predicts for higher orders.
     """
     if meshes is not None:
         return [Coarser(disc, mesh, disc.order) for mesh in meshes]
-    found, mesh, points = [], disc.mesh, len(disc.contact.weights)
+    mesh, points = disc.mesh, len(disc.contact.weights)
+    found: list[DiscreteProblem] = []
     while points > COARSEST:
         # In 2D half as fine a mesh costs a fifth of the whole; in 3D one of a quarter would say little.
         mesh = CoarserMesh(mesh, 4 if mesh.dim == 2 and points >= MANY else 2)
@@ -144,12 +150,12 @@ def _Coarse(disc, meshes):
     return found
 
 
-def Coarser(disc, mesh, order):
+def Coarser(disc: DiscreteProblem, mesh: Mesh, order: int) -> DiscreteProblem:
     """The problem of a Discretization on another mesh or of another order, without the forms that were added: it predicts."""
     return DiscreteProblem(disc.problem, disc.method, mesh, order=order, assembly=disc.assembly)
 
 
-def Transfer(coarse, contact):
+def Transfer(coarse: ContactSolution, contact: ContactBoundary) -> tuple[Array, Array]:
     """Displacement and traction (n, d) at the points of a finer ContactBoundary, predicted from a coarse ContactSolution.
 
     Each foundation by itself: a linear function is fitted to the values at the nearest coarse points, near ones counting more.
@@ -163,7 +169,7 @@ def Transfer(coarse, contact):
     return displacement, traction
 
 
-def LocalFit(points, values, targets, normals):
+def LocalFit(points: Array, values: Array, targets: Array, normals: Array) -> Array:
     """Values (m, c) at targets (m, d) on a surface with these normals, from values (n, c) at points (n, d)."""
     from scipy.spatial import cKDTree  # slow to import
 

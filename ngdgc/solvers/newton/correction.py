@@ -11,12 +11,20 @@ first one (a full approximation scheme with two spaces: Brandt 1977; for contact
 tenth or less of what there was, so that as few steps of conjugate gradients are needed in all as for one linear equation.
 """
 
+from __future__ import annotations
+
+from collections.abc import Iterator
 from dataclasses import replace
 
+from ...contact.equilibrium import Equilibrium
+from ...contact.graph import GraphPoint
+from ...contracts import Array
+from ...discrete.problem import DiscreteProblem
 from ...discrete.response import ContactResponse
 from ..driver import LawResidual
 from .record import SMALL
 from .run import NewtonRun
+from .stiffened import NewtonState
 from .subspace import Subspace
 
 FIRST = 1e-2        # law residual of the first solution in X_h, about what it lacks
@@ -35,11 +43,12 @@ class CorrectedRun:
     run : that in X_h;  residuals : law residual after every correction
     """
 
-    def __init__(self, disc, start, tol):
-        self.disc, self.tol, self.residuals = disc, tol, []
+    def __init__(self, disc: DiscreteProblem, start: tuple[Array, Array] | None, tol: float) -> None:
+        self.disc, self.tol = disc, tol
+        self.residuals: list[float] = []
         self.run = NewtonRun(Subspace(disc), start, tol)
 
-    def Iterates(self):
+    def Iterates(self) -> Iterator[Equilibrium]:
         subspace, goal, response = self.run.setting.disc, max(FIRST, self.tol), None
         states = self.run.States(goal)
         yield _Whole(subspace, next(states))
@@ -55,11 +64,11 @@ class CorrectedRun:
             states = self.run.Resume(subspace, goal, renew=renew)
             next(states)
 
-    def _Reach(self, states, goal):
+    def _Reach(self, states: Iterator[NewtonState], goal: float) -> NewtonState | None:
         """The first state, after a step at least, that is as good as it has to be, or None."""
         return next((state for state in states if LawResidual(self.disc.contact, state.equilibrium) <= goal), None)
 
-    def _Balance(self, response, vector, point):
+    def _Balance(self, response: ContactResponse, vector: Array, point: GraphPoint) -> Equilibrium:
         """The iterate in equilibrium, nearly; entirely where the law holds, so that this can be believed."""
         for goal in ({"part": PART}, {"most": MOST}):
             iterate = response.Approach(vector, point.displacement, point.traction, **goal)
@@ -68,10 +77,10 @@ class CorrectedRun:
             vector = iterate.vector
         return iterate
 
-    def _Stalled(self):
+    def _Stalled(self) -> bool:
         return len(self.residuals) > PATIENCE and self.residuals[-1] > 0.5 * self.residuals[-1 - PATIENCE]
 
-    def Diagnose(self, reason):
+    def Diagnose(self, reason: str) -> tuple[str, None]:
         """Cause and remedy of a failure."""
         if self._Stalled() and self.residuals[-1] > SMALL:
             return (f"contact in a subspace and equilibrium in the whole space, in turn, stay at a law residual of "
@@ -80,6 +89,6 @@ class CorrectedRun:
         return self.run.Diagnose(reason)
 
 
-def _Whole(subspace, state):
+def _Whole(subspace: Subspace, state: NewtonState) -> Equilibrium:
     """The equilibrium of a state in X_h with the coefficients of u in V_h."""
     return replace(state.equilibrium, vector=subspace.Whole(state.equilibrium.vector))

@@ -1,11 +1,14 @@
 """Why a run of Newton's method has failed, and what to do about it."""
 
+from __future__ import annotations
+
 import numpy as np
 
-from .record import SMALL
+from .record import SMALL, Record
+from .setting import Setting
 
 
-def Diagnose(reason, record, setting, *, tol, reached):
+def Diagnose(reason: str, record: Record, setting: Setting, *, tol: float, reached: float | None) -> tuple[str, None]:
     """(cause and remedy of a failure, None).
 
     reason : of the driver;  record : `Record` of the run;  reached : part of the load up to which it was raised, or None
@@ -25,7 +28,7 @@ def Diagnose(reason, record, setting, *, tol, reached):
             "finer mesh at the ends of the zones"), None
 
 
-def _Course(record):
+def _Course(record: Record) -> str:
     """Words for what the steps did."""
     period = record.Period()
     if not period:

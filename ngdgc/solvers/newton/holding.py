@@ -1,9 +1,14 @@
 """How a foundation holds a body that nothing else holds: by its own stiffness, at the depth where it carries the loads."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+
 import numpy as np
 
 from ...contact.parts import ContactPart, OverParts
 from ...contact.resolvent import Resolvent, Share
+from ...contracts import Array, LinearProblem
 
 DEEPEST = 1e-12     # stiffness in units of the body's, that limits the depth where a law ends before it carries the loads
 TOUCH = 1e-6        # penetration that counts as contact, in units of the extent of Gamma_C
@@ -22,7 +27,7 @@ class Holding:
         A soft foundation holds a body as well as a stiff one: what counts as little is measured by this, not by the body
     """
 
-    def __init__(self, disc, scale):
+    def __init__(self, disc: LinearProblem, scale: Array) -> None:
         contact = self.contact = disc.contact
         self.scale, weights = scale, contact.weights / contact.weights.sum()
         load = np.linalg.norm(disc.resultant) / contact.weights.sum()
@@ -37,11 +42,11 @@ class Holding:
             if part.friction is not None:
                 self.slope[part.points] += np.eye(contact.dim) - normal[part.points]
 
-    def _AtDepth(self, Law, r):
+    def _AtDepth(self, Law: Callable[..., Array], r: float) -> Array:
         """A law of ContactPart (n,) at one penetration; it may not be finite, where a law has ended."""
         return OverParts(self.contact.parts, Law, np.full(len(self.scale), r))
 
-    def Rest(self):
+    def Rest(self) -> Array:
         """q (n, d) of a start in contact everywhere, or the first step would be a flight.
 
         It is as deep as if all points carried the loads: a law that starts flat, like r^3, has no slope at touch.

@@ -12,12 +12,16 @@ It may turn back in s.  What keeps its direction there, and where it passes from
 of the determinant of the derivative with the tangent as its last row (Allgower, Georg 1990, chapters 2 and 12).
 """
 
+from __future__ import annotations
+
 import time
 
 import numpy as np
 import scipy as sp
 
-from ...contact.graph import ContactGraph
+from ...contact.graph import ContactGraph, GraphPoint
+from ...contracts import Array
+from ...discrete.response import ContactResponse
 from ...tools.parallel import Batched
 
 FEW = 128           # components of the traction up to which a path is followed
@@ -40,7 +44,7 @@ class Path:
     s : how far it has come, 1 at a solution
     """
 
-    def __init__(self, response, scale):
+    def __init__(self, response: ContactResponse, scale: Array) -> None:
         contact = self.contact = response.contact
         shape = contact.normals.shape
         units = np.eye(contact.normals.size).reshape(-1, *shape)
@@ -52,10 +56,11 @@ class Path:
         self.size = max(np.abs(self.free).max(), np.abs(contact.gap).max()) or 1.0
 
     @Batched
-    def Follow(self, seconds=SECONDS):
+    def Follow(self, seconds: float = SECONDS) -> GraphPoint | None:
         """The `graph.GraphPoint` at s = 1, or None if it is not reached in this time."""
         end = time.perf_counter() + seconds
-        z, length = np.append(self.free / self.size, 0.0), LENGTH
+        z: Array = np.append(self.free / self.size, 0.0)
+        length = LENGTH
         tangent = _Tangent(self._H(z)[1])
         while time.perf_counter() < end:
             self.s = z[-1]
@@ -63,11 +68,12 @@ class Path:
             ahead = z + ((1 - z[-1]) / tangent[-1] if last else length) * tangent
             found = self._Correct(ahead, _Level(len(z)) if last else tangent)
             turned = None if found is None else _Tangent(self._H(found)[1])
-            if turned is not None and np.linalg.norm(found - ahead) <= length and turned @ tangent > STRAIGHT:
+            if (found is not None and turned is not None and np.linalg.norm(found - ahead) <= length
+                    and turned @ tangent > STRAIGHT):
                 if last:
                     return self._Point(found)
                 if found[-1] < 1:
-                    z, tangent, length = found, turned, min(2 * length, LONGEST * np.linalg.norm(found))
+                    z, tangent, length = found, turned, min(2 * length, LONGEST * float(np.linalg.norm(found)))
                 else:
                     length /= 4
             elif length > SHORTEST:
@@ -78,10 +84,10 @@ class Path:
                 tangent, length = _Tangent(self._H(z + length * tangent)[1]), 1e3 * SHORTEST
         return None
 
-    def _Point(self, z):
+    def _Point(self, z: Array) -> GraphPoint:
         return self.graph.At((self.scale * self.size * z[:-1]).reshape(self.contact.normals.shape))
 
-    def _H(self, z):
+    def _H(self, z: Array) -> tuple[Array, Array]:
         """(H, [dH/dv, dH/ds]) in units of `size` at z = (v, s), q = gamma size v."""
         s, point = z[-1], self._Point(z)
         slope, t = sp.linalg.block_diag(*point.derivative), point.traction.ravel()
@@ -91,7 +97,7 @@ class Path:
         dq = (np.eye(len(t)) - slope) / self.scale[:, None] + operator @ slope
         return H / self.size, np.column_stack([dq * self.scale, (other - own) / self.size])
 
-    def _Correct(self, z, normal):
+    def _Correct(self, z: Array, normal: Array) -> Array | None:
         """The point of the path in the plane through z, by Newton's method, or None."""
         for _ in range(CORRECTIONS):
             H, J = self._H(z)
@@ -106,12 +112,12 @@ class Path:
         return None
 
 
-def _Level(size):
+def _Level(size: int) -> Array:
     """The normal of planes on which s is constant."""
     return np.append(np.zeros(size - 1), 1.0)
 
 
-def _Tangent(J):
+def _Tangent(J: Array) -> Array:
     """The unit vector v with J v = 0 for which the determinant of J with v as its last row is positive."""
     v = np.linalg.svd(J)[2][-1]
     return v if np.linalg.slogdet(np.vstack([J, v]))[0] > 0 else -v

@@ -5,10 +5,15 @@ product y = S_D s, once paid for by an application of an inverse, gives M s for 
 in the least squares sense on all vectors s of the past, at no cost, and only what is left asks for more.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
 from copy import copy
 
 import numpy as np
 
+from ...contracts import Array
+from ...discrete.response import ContactResponse
 from ...tools.parallel import Batched
 
 MEMORY = 400    # pairs kept: the singular value decomposition of more costs as much as the products that it saves
@@ -24,18 +29,19 @@ class Recycled:
     tractions, images : lists of the pairs for D = 0, arrays (n, d)
     """
 
-    def __init__(self, response, weights):
+    def __init__(self, response: ContactResponse, weights: Array) -> None:
         self.response = response
         self.root = np.sqrt(weights)[:, None]
-        self.tractions, self.images = [], []
+        self.tractions: list[Array] = []
+        self.images: list[Array] = []
 
-    def With(self, response):
+    def With(self, response: ContactResponse) -> Recycled:
         """The same pairs for another D, or another right-hand side."""
         other = copy(self)
         other.response = response
         return other
 
-    def Remember(self, s, image):
+    def Remember(self, s: Array, image: Array) -> None:
         """Use the pair (s, S_D s) in later equations."""
         length = np.linalg.norm(self.root * s)
         if length > 0:
@@ -43,12 +49,12 @@ class Recycled:
             self.tractions = self.tractions[1 - MEMORY:] + [(s - self.response.Restoring(image)) / length]
             self.images = self.images[1 - MEMORY:] + [image / length]
 
-    def Pairs(self):
+    def Pairs(self) -> tuple[Array, Array]:
         """All (s, S_D s) for the present D, as arrays (m, n, d)."""
         return np.array([t + self.response.Restoring(y) for t, y in zip(self.tractions, self.images)]), np.array(self.images)
 
     @Batched
-    def Solve(self, Local, b, *, tol, maxiter):
+    def Solve(self, Local: Callable[[Array, Array], Array], b: Array, *, tol: float, maxiter: int) -> tuple[Array, Array]:
         """(s, S_D s) with |b - M s| <= tol |b| in L2(Gamma_C), M s = s + Local(S_D s, s); at most maxiter new applications.
 
         Stops early, with the best s, when a new vector brings nothing new: then M is singular on what is left.
@@ -83,20 +89,20 @@ class _Basis:
 
     NEW = 1e-10     # part of a vector that must be left after orthogonalisation
 
-    def __init__(self, size):
+    def __init__(self, size: int) -> None:
         self.directions, self.arguments, self.images = (np.empty((size, 0)) for _ in range(3))
 
-    def AddMany(self, directions, arguments, images):
-        directions = np.array(directions).T
-        sizes = np.linalg.norm(directions, axis=0)
+    def AddMany(self, directions: Sequence[Array], arguments: Array, images: Array) -> None:
+        columns = np.array(directions).T
+        sizes = np.linalg.norm(columns, axis=0)
         useful = sizes > 0
-        left, singular, right = np.linalg.svd(directions[:, useful] / sizes[useful], full_matrices=False)
+        left, singular, right = np.linalg.svd(columns[:, useful] / sizes[useful], full_matrices=False)
         kept = singular > self.NEW * singular[0] if len(singular) else singular > 0
         combination = right[kept].T / singular[kept] / sizes[useful][:, None]
         self.directions = left[:, kept]
         self.arguments, self.images = arguments[useful].T @ combination, images[useful].T @ combination
 
-    def Add(self, direction, argument, image):
+    def Add(self, direction: Array, argument: Array, image: Array) -> bool:
         before = np.linalg.norm(direction)
         for _ in range(2):
             part = self.directions.T @ direction

@@ -9,10 +9,19 @@ Equations with S_V instead of S_D are small.  So the contact problem with S_V ca
 one application of the inverse tells how much of that holds with S_D; the product is remembered, and the next S_V better.
 """
 
+from __future__ import annotations
+
+from collections.abc import Callable
+
 import numpy as np
 
+from ...contact.graph import ContactGraph, GraphPoint
+from ...contracts import Array
 from ...discrete.response import Apply
 from ...tools.parallel import Batched
+from .pointwise import PointwiseEquation
+from .recycling import Recycled
+from .stiffened import NewtonState
 
 NEW = 1e-10         # part of a vector that must be left after orthogonalisation
 STEPS = 10          # of Newton's method with S_V
@@ -25,7 +34,7 @@ class ReducedResponse:
     """S_V of the pairs that a `recycling.Recycled` remembers; blocks B (n, d, d) [length/stress]."""
 
     @Batched
-    def __init__(self, recycled, blocks):
+    def __init__(self, recycled: Recycled, blocks: Array) -> None:
         self.blocks, self.restoring = blocks, recycled.response.Restoring
         n, dim = blocks.shape[:2]
         root = np.repeat(recycled.root.ravel(), dim)
@@ -38,18 +47,19 @@ class ReducedResponse:
             self.right = root[:, None] * vectors[:, kept]
             self.left = rest.reshape(len(s), -1).T @ (combination[kept].T / sizes[kept])
 
-    def Product(self, s):
+    def Product(self, s: Array) -> Array:
         """S_V s, (n, d) -> (n, d)."""
         return Apply(self.blocks, s) + (self.left @ (self.right.T @ s.ravel())).reshape(s.shape)
 
     @Batched
-    def Solve(self, P, b):
+    def Solve(self, P: Array, b: Array) -> Array:
         """(S_V - B) s with s + P (S_V - B) s = b, for blocks P (n, d, d) and b (n, d)."""
         weighted = np.einsum("nij,njk->nik", P, self.left.reshape(*b.shape, -1)).reshape(self.left.shape)
         small = np.eye(self.left.shape[1]) + self.right.T @ weighted
         return (self.left @ np.linalg.lstsq(small, self.right.T @ b.ravel(), rcond=None)[0]).reshape(b.shape)
 
-    def Minimise(self, graph, Equation, Merit, state, q):
+    def Minimise(self, graph: ContactGraph, Equation: Callable[[GraphPoint], PointwiseEquation],
+                 Merit: Callable[[Array], float], state: NewtonState, q: Array) -> Array:
         """q (n, d) of a point of the graph where the merit of F with S_V instead of S_D is least or small, from q on.
 
         Equation : GraphPoint -> `PointwiseEquation`;  Merit : F (n, d) -> number;  state : a `stiffened.NewtonState`, the
@@ -57,7 +67,7 @@ class ReducedResponse:
         """
         u, t = state.equilibrium.displacement, state.equilibrium.traction
 
-        def Evaluate(q):
+        def Evaluate(q: Array) -> tuple[GraphPoint, Array, float]:
             point = graph.At(q)
             change = point.displacement - u
             F = change + self.Product(point.traction - t - self.restoring(change))

@@ -77,7 +77,7 @@ class NewtonRun:
         yield state
         yield from self._Newton(state, tol, PATIENCE)
 
-    def _Newton(self, state, tol, patience):
+    def _Newton(self, state: NewtonState, tol: float, patience: int) -> Iterator[NewtonState]:
         """States under full load until the steps bring no more."""
         record = self.record
         while not record.Stalled(patience):

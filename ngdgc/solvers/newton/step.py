@@ -40,7 +40,7 @@ def NewtonStep(state: NewtonState, record: Record, tol: float) -> NewtonState:
     return best
 
 
-def _Direction(state, enough, least):
+def _Direction(state: NewtonState, enough: float, least: float | None) -> Array:
     """Newton's step in q, (n, d), accurate enough for a relative residual of the whole."""
     body = state.body
     step = body.Direction(state, float(np.clip(enough, FORCING, ROUGH)), least)
@@ -51,7 +51,7 @@ def _Direction(state, enough, least):
     return step
 
 
-def _Shortened(state, step, best):
+def _Shortened(state: NewtonState, step: Array, best: NewtonState) -> tuple[NewtonState, float]:
     """(best state, its length) of steps halved until the merit falls; `best` competes as a full one."""
     chosen = length = 1.0
     for _ in range(HALVINGS + 1):

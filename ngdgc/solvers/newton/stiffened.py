@@ -95,7 +95,7 @@ class StiffenedBody:
             would add up, and be kept from where the iteration had gone far astray
         """
         found, s, response = self.response.Meet(point.displacement, point.traction, load=load, near=base)
-        if s is not None:
+        if s is not None and response is not None:
             self.recycled.Remember(s, response)
         F = point.displacement - found.displacement
         return NewtonState(body=self, point=point, F=F, merit=self.Merit(F), equilibrium=found, base=base or found)

@@ -9,13 +9,17 @@ a stiffness of the law in both S <= 1.05 S_X.  So a correction from X_h gets zon
 leaves what is linear (`solvers.correction`).
 """
 
+from __future__ import annotations
+
 from copy import copy
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import L2
+from ngsolve import BaseMatrix, L2
 
+from ...contracts import Array, Inverse
+from ...discrete.problem import DiscreteProblem
 from ...linear.choice import Direct
 from ...linear.cycles import Corners
 from ...linear.equations import LinearEquations
@@ -41,7 +45,7 @@ class Subspace(LinearEquations):
 
     prescribed = 0.0
 
-    def __init__(self, disc):
+    def __init__(self, disc: DiscreteProblem) -> None:
         super().__init__()
         self.disc, self.mesh, self.problem, self.order = disc, disc.mesh, disc.problem, disc.order
         self.unresisted, self.resultant = disc.unresisted, disc.resultant
@@ -53,13 +57,13 @@ class Subspace(LinearEquations):
         self.contact = disc.contact.Within(self.prolongation)
         self._Correct(np.zeros(disc.space.ndof))
 
-    def Moved(self, vector):
+    def Moved(self, vector: Array) -> Subspace:
         """The problem in the same X_h that corrects another displacement u_0 in V_h, given by its coefficients (ndof,)."""
         other = copy(self)
         other._Correct(vector)
         return other
 
-    def _Correct(self, vector):
+    def _Correct(self, vector: Array) -> None:
         self.vector, self.shift = vector, self.disc.contact.Displacement(vector)
         residual = self.disc.load - self.disc.Multiply(vector)
         if self.disc.unresisted and len(self.disc.motions):
@@ -67,29 +71,29 @@ class Subspace(LinearEquations):
         self.load = self._restriction @ residual
 
     @cached_property
-    def motions(self):
+    def motions(self) -> Array:
         """Coefficients (m, unknowns) of the rigid motions that A does not resist: all of them are in X_h."""
         from scipy.sparse.linalg import lsqr        # slow to import
 
         found = [lsqr(self.prolongation, motion, atol=EXACT, btol=EXACT)[0] for motion in self.disc.motions]
         return np.array(found).reshape(-1, self.matrix.height)
 
-    def Whole(self, vector):
+    def Whole(self, vector: Array) -> Array:
         """The coefficients of u_0 + P x in V_h, from x."""
         return self.vector + self.prolongation @ vector
 
     @cached_property
-    def inverse(self):
+    def inverse(self) -> Inverse:
         return self.Factorise(self.matrix)
 
-    def MakeInverse(self, matrix):
+    def MakeInverse(self, matrix: BaseMatrix) -> Inverse:
         nodes = self.mesh.nv + int(Near(self.disc).sum())
         CheckMemory(DirectMemory(nodes, matrix.nze, self.mesh.dim), f"the factors of {matrix.height} unknowns",
                         "a smaller foundation, ")
         return Operator(Factorised(matrix, None, Direct(), self.mesh.dim), self.mesh)
 
 
-def Prolongation(disc):
+def Prolongation(disc: DiscreteProblem) -> sp.csr_matrix:
     """P of a discontinuous Discretization, scipy CSR (ndof, unknowns): first functions of W_1, then those of V_h."""
     dim = disc.mesh.dim
     elements, dofs = Corners(L2(disc.mesh, order=disc.order))
@@ -103,7 +107,7 @@ def Prolongation(disc):
     return sp.hstack([embedding[:, beyond], sp.identity(len(kept), format="csc")[:, kept]], format="csr")
 
 
-def Near(disc):
+def Near(disc: DiscreteProblem) -> np.ndarray:
     """True for the elements that have a vertex on Gamma_C, over elements."""
     facets, mesh = disc.facets, disc.mesh
     numbers, _, corners = facets.boundary

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...contact.boundary import ContactBoundary
 from ...contracts import Array
 from ...discrete.problem import DiscreteProblem
 from ...exceptions import ProblemError
 from ...linear.equations import CheckDiscretization
 from ...tools.calls import ByKeyword
 from ...tools.values import Integer, IsNumber, Number, PositiveNumber, Vectors
+from .steps import UzawaStep
 
 @ByKeyword
 @dataclass(frozen=True)
@@ -59,11 +62,11 @@ def EstimateContraction(disc: DiscreteProblem, penetration: Array, *, step: floa
     across = np.sqrt(np.maximum(contact.PressureDerivative(penetration), 0))[:, None]
     along = np.sqrt(steps)[:, None]
 
-    def Normal(values):
+    def Normal(values: Array) -> Array:
         traction = across * values * contact.normals
         return across * contact.Normal(contact.Displacement(disc.Response(traction)))[:, None]
 
-    def Tangential(values):
+    def Tangential(values: Array) -> Array:
         traction = along * contact.Tangential(values)
         return along * contact.Tangential(contact.Displacement(disc.Response(traction)))
 
@@ -74,19 +77,19 @@ def EstimateContraction(disc: DiscreteProblem, penetration: Array, *, step: floa
                        friction=0.5 * LargestEigenvalue(Tangential, along * tangent, weights, maxiter, tol))
 
 
-def _Start(contact):
+def _Start(contact: ContactBoundary) -> Array:
     """A traction (n, d) with a part in every eigenvector, none excluded by a symmetry of the mesh."""
     return np.ones_like(contact.normals) + 2 * np.random.default_rng(1).standard_normal(contact.normals.shape)
 
 
-def ComplianceNorm(disc, *, maxiter=12, tol=1e-3):
+def ComplianceNorm(disc: DiscreteProblem, *, maxiter: int = 12, tol: float = 1e-3) -> float:
     """|S| in L2(Gamma_C) [length/stress], from below and to about 5 %, by at most `maxiter` applications of A^-1."""
     contact = disc.contact
     return LargestEigenvalue(lambda traction: contact.Displacement(disc.Response(traction)), _Start(contact),
                               contact.weights[:, None], maxiter, tol)
 
 
-def ContractionFactor(disc, step, state, maxiter):
+def ContractionFactor(disc: DiscreteProblem, step: UzawaStep, state: Array, maxiter: int) -> float:
     """Spectral radius of the derivative of one step (a class of `steps`) at a state: the factor by which errors shrink.
 
     If no point of Gamma_C changes its zone, the iteration is linear with this derivative.  With Tresca's friction in 2D that is
@@ -99,7 +102,7 @@ def ContractionFactor(disc, step, state, maxiter):
     traction, memory = step.At(state)
     scale = np.linalg.norm(step.metric * state)
 
-    def Derivative(direction):
+    def Derivative(direction: Array) -> Array:
         # A one-sided difference: differences of the law are exact up to round-off where it is linear.
         shift = 1e-7 * scale
         moved, remembered = step.At(state + shift * direction / step.metric)
@@ -127,15 +130,17 @@ def ContractionFactor(disc, step, state, maxiter):
     return float(np.abs(values[(shares > 1e-6) & (np.abs(values - 1) > 1e-6)]).max(initial=0))
 
 
-def LargestEigenvalue(Apply, start, weights, maxiter, tol):
+def LargestEigenvalue(Apply: Callable[[Array], Array], start: Array, weights: Array, maxiter: int, tol: float) -> float:
     """Lanczos for an operator that is self-adjoint and nonnegative in the inner product sum weights a b."""
-    def Product(a, b):
+    def Product(a: Array, b: Array) -> float:
         return float(np.sum(weights * a * b))
 
     length = np.sqrt(Product(start, start))
     if length == 0:
         return 0.0
-    basis, diagonal, offdiagonal, largest, settled = [start / length], [], [], 0.0, False
+    basis, largest, settled = [start / length], 0.0, False
+    diagonal: list[float] = []
+    offdiagonal: list[float] = []
     while len(diagonal) < maxiter:
         image = Apply(basis[-1])
         diagonal.append(Product(image, basis[-1]))

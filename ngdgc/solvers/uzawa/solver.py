@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Generic, Literal, TypeVar
 
 import numpy as np
 
 from ...contact.equilibrium import Equilibrium
 from ...contact.parts import ContactPart, OverParts
+from ...contracts import Array
 from ...discrete.problem import DiscreteProblem
 from ...exceptions import ProblemError
 from ...solution.history import Step
@@ -17,12 +19,15 @@ from ...solution.solution import ContactSolution
 from ...tools.calls import ByKeyword
 from ...tools.values import Among, IsNumber, PositiveNumber
 from ..driver import CheckLimits, Current, Drive
-from .contraction import ComplianceNorm, ContractionFactor, EstimateContraction
+from .contraction import ComplianceNorm, Contraction, ContractionFactor, EstimateContraction
 from .steps import AdaptiveStep, Anderson, ExplicitStep, ImplicitStep
 
 WINDOW = 30         # iterations over which accelerated and adaptive steps are judged
 REST = 0.5          # of all iterations so far: adaptive steps rest up to 0.3 of them and converge, failing ones go on resting
 PREDICTION = 20     # applications of A^-1 at most for the predicted contraction factor
+
+
+Kind = TypeVar("Kind", bound=ExplicitStep | ImplicitStep)
 
 
 @ByKeyword
@@ -113,15 +118,23 @@ class UzawaSolver:
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=WINDOW, rest=REST)
 
 
-class _Run:
+class _Run(ABC, Generic[Kind]):
     """One run of an iteration on one discretisation."""
 
-    def __init__(self, solver, disc):
+    def __init__(self, solver: UzawaSolver, disc: DiscreteProblem) -> None:
         self.solver, self.disc, self.contact = solver, disc, disc.contact
-        self.recent = []        # states of the last steps
+        self.recent: list[Array] = []       # states of the last steps
         self.count = 0
 
-    def Iterates(self):
+    @abstractmethod
+    def Step(self, u: Array) -> Kind:
+        """The step that is made, from the displacement (n, d) without contact."""
+
+    @abstractmethod
+    def Diagnose(self, reason: str) -> tuple[str, Contraction | None]:
+        """Cause and remedy of a failure, and contraction numbers or None."""
+
+    def Iterates(self) -> Iterator[Equilibrium]:
         contact = self.contact
         free = self.disc.FreeSolution()
         self.last = u = contact.Displacement(free)
@@ -139,14 +152,14 @@ class _Run:
             image = self.step.Next(memory, u)
             state = anderson(state, image) if anderson else image
 
-    def Predict(self):
+    def Predict(self) -> float | None:
         """The contraction factor at the last iterate, None if the loads caused no contact at all."""
         if not self.recent or not np.any(self.recent[-1]):
             return None
         return ContractionFactor(self.disc, self.step, self.recent[-1], min(PREDICTION, self.count))
 
     @property
-    def constant(self):
+    def constant(self) -> bool:
         """True if no friction bound depends on penetration, pressure or slip at the last iterate: then there is an energy."""
         r, slip = self.contact.Penetration(self.last), self.contact.Slip(self.last)
         parts = self.contact.parts
@@ -154,7 +167,7 @@ class _Run:
         return not np.any(slopes) and not np.any(OverParts(parts, ContactPart.SlipFactor, slip)[1])
 
     @property
-    def remedies(self):
+    def remedies(self) -> str:
         """Solvers that can do more than this one."""
         better = "SemismoothNewtonSolver()"
         if self.solver.normal == "explicit" or not self.solver.acceleration:
@@ -162,20 +175,20 @@ class _Run:
         return better
 
 
-class _Explicit(_Run):
+class _Explicit(_Run[ExplicitStep]):
 
-    def Step(self, u):
+    def Step(self, u: Array) -> ExplicitStep:
         if self.solver.rho != "auto":
             return ExplicitStep(self.contact, self.solver.rho, None)
         r, slip = self.contact.Penetration(u), self.contact.Slip(u)
         unit = EstimateContraction(self.disc, r, step=np.where(self.contact.Bound(r, slip) > 0, 1.0, 0.0))
         return ExplicitStep(self.contact, None, 0.9 * max(1 - unit.normal, 0.1) / unit.friction if unit.friction else 1.0)
 
-    def _Contraction(self, r, slip):
+    def _Contraction(self, r: Array, slip: Array) -> Contraction:
         bound = self.contact.Bound(r, slip)
         return EstimateContraction(self.disc, r, step=self.step.Rho(bound) * bound ** 2)
 
-    def Diagnose(self, reason):
+    def Diagnose(self, reason: str) -> tuple[str, Contraction]:
         """Cause and remedy of a failure, and the contraction numbers at the last iterates."""
         places = [(self.contact.Penetration(u), self.contact.Slip(u)) for u, _ in self.recent]
         # A cycle visits zones that are never active together; the zone of one iterate tells more than their union.
@@ -207,9 +220,9 @@ class _Explicit(_Run):
                 f"{self.remedies}"), number
 
 
-class _Implicit(_Run):
+class _Implicit(_Run[ImplicitStep]):
 
-    def Step(self, u):
+    def Step(self, u: Array) -> ImplicitStep:
         if self.solver.rho == "adaptive":
             # Two steps of Lanczos cost two solves; a norm that is too small only makes the first step too long.
             norm = ComplianceNorm(self.disc, maxiter=2)
@@ -219,7 +232,7 @@ class _Implicit(_Run):
         norm = ComplianceNorm(self.disc)
         return ImplicitStep(self.contact, 1.8 / norm if norm else 1.0)
 
-    def Diagnose(self, reason):
+    def Diagnose(self, reason: str) -> tuple[str, None]:
         """Cause and remedy of a failure; contraction numbers are those of the explicit iteration, so None."""
         rho, number = f"rho={self.solver.rho!r}", self.step.gamma * ComplianceNorm(self.disc)
         if reason == "roundoff":

@@ -4,10 +4,15 @@ A step is `Start(u)` -> state, `At(state)` -> (traction, memory) by the contact 
 with u = u_f - S traction the response of the body.  `metric` makes the components of states comparable.
 """
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
-from ...contact.boundary import Scale
+from ...contact.boundary import ContactBoundary, Scale
 from ...contact.graph import ContactGraph
+from ...contracts import Array
 
 
 class ExplicitStep:
@@ -17,44 +22,44 @@ class ExplicitStep:
     traction.
     """
 
-    def __init__(self, contact, rho, step):
+    def __init__(self, contact: ContactBoundary, rho: float | None, step: float | None) -> None:
         self.contact, self.rho, self.step = contact, rho, step
 
-    def Start(self, u):
+    def Start(self, u: Array) -> Array:
         self.metric = np.sqrt(self.contact.weights)[:, None] / np.array([Scale(u), 1.0])[:, None, None]
         return np.stack([u, np.zeros_like(u)])
 
-    def Rho(self, bound):
+    def Rho(self, bound: Array) -> Array:
         """rho at every point, (n,); where there is no friction lambda does not matter and rests."""
         if self.rho is not None:
             return np.full(len(bound), self.rho)
         return np.where(bound > 0, self.step / np.where(bound > 0, bound, 1) ** 2, 0)
 
-    def At(self, state):
+    def At(self, state: Array) -> tuple[Array, Any]:
         contact, (u, multiplier) = self.contact, state
         r = contact.Penetration(u)
         bound = contact.Bound(r, contact.Slip(u))
         multiplier = _OntoUnitBall(multiplier + (self.Rho(bound) * bound)[:, None] * contact.Tangential(u))
         return contact.Pressure(r)[:, None] * contact.normals + bound[:, None] * multiplier, multiplier
 
-    def Next(self, memory, u):
+    def Next(self, memory: Any, u: Array) -> Array:
         return np.stack([u, memory])
 
 
 class ImplicitStep:
     """State q = t + gamma u, (n, d): t and U(q) are the point of the law's graph with t + gamma U = q (`ContactGraph`)."""
 
-    def __init__(self, contact, gamma):
+    def __init__(self, contact: ContactBoundary, gamma: float) -> None:
         self.contact, self.gamma, self.metric = contact, gamma, np.sqrt(contact.weights)[:, None]
 
-    def Start(self, u):
+    def Start(self, u: Array) -> Array:
         return self.Next(np.zeros_like(u), u)
 
-    def At(self, state):
+    def At(self, state: Array) -> tuple[Array, Any]:
         traction = ContactGraph(self.contact, self.gamma).At(state).traction
         return traction, traction
 
-    def Next(self, memory, u):
+    def Next(self, memory: Any, u: Array) -> Array:
         return memory + self.gamma * u
 
 
@@ -70,15 +75,16 @@ class AdaptiveStep(ImplicitStep):
     GROWTH = 100    # a factor of 10 spoils half of the fast steps of stiff problems
     MEMORY = 10
 
-    def Start(self, u):
-        self.last, self.largest, self.residuals = (np.zeros_like(u), u), 1 / self.gamma, []
+    def Start(self, u: Array) -> Array:
+        self.last, self.largest = (np.zeros_like(u), u), 1 / self.gamma
+        self.residuals: list[float] = []
         return super().Next(*self.last)
 
-    def At(self, state):
+    def At(self, state: Array) -> tuple[Array, Any]:
         point = ContactGraph(self.contact, self.gamma).At(state)
         return point.traction, (point.traction, point.displacement)
 
-    def Next(self, memory, u):
+    def Next(self, memory: Any, u: Array) -> Array:
         traction, expected = memory
         dt, du = self.metric * (traction - self.last[0]), self.metric * (self.last[1] - u)
         self.last = traction, u
@@ -86,11 +92,14 @@ class AdaptiveStep(ImplicitStep):
         # Nothing moved at the start, and S vanishes where the trace space is smaller than the set of points.
         if product > 0:
             self.largest = max(self.largest, np.vdot(du, du) / product)
-            residual = np.linalg.norm(self.metric * (u - expected))
+            residual = float(np.linalg.norm(self.metric * (u - expected)))
             self.residuals = self.residuals[-self.MEMORY:] + [residual]
             grown = residual > self.GROWTH * min(self.residuals)
             self.gamma = 1 / self.largest if grown else np.vdot(dt, dt) / product
         return super().Next(traction, u)
+
+
+UzawaStep = ExplicitStep | ImplicitStep
 
 
 class Anderson:
@@ -105,13 +114,15 @@ class Anderson:
     GROWTH = 2
     RCOND = 1e-10   # differences that depend on each other up to round-off are left out
 
-    def __init__(self, metric):
-        self.metric, self.images, self.residuals, self.best = metric, [], [], np.inf
+    def __init__(self, metric: Array) -> None:
+        self.metric, self.best = metric, np.inf
+        self.images: list[Array] = []
+        self.residuals: list[Array] = []
 
-    def __call__(self, state, image):
+    def __call__(self, state: Array, image: Array) -> Array:
         """The next x, from x and G(x), arrays of one shape."""
         residual = (self.metric * (image - state)).ravel()
-        length = np.linalg.norm(residual)
+        length = float(np.linalg.norm(residual))
         if length > self.GROWTH * self.best:
             self.images, self.residuals = [], []
         self.best = min(self.best, length)
@@ -123,5 +134,5 @@ class Anderson:
         return image - np.tensordot(coefficients, np.diff(self.images, axis=0), axes=1)
 
 
-def _OntoUnitBall(vectors):
+def _OntoUnitBall(vectors: Array) -> Array:
     return vectors / np.maximum(np.linalg.norm(vectors, axis=1), 1)[:, None]

@@ -1,13 +1,19 @@
 """The command `ngdgc`: run a case, or one of the studies."""
 
+from __future__ import annotations
+
 import argparse
 import inspect
 import sys
+from argparse import Action, Namespace
+from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
+from types import ModuleType
+from typing import Any, NoReturn, cast
 
 from . import __version__
-from .commands.arguments import Finite, NumberOrAuto, Positive
+from .commands.arguments import Commands, Finite, NumberOrAuto, Positive
 from .commands.attack import AddAttack
 from .commands.bench import AddBench
 from .commands.casefiles import CaseFiles, Compared, LoadCase
@@ -16,8 +22,10 @@ from .commands.console import Console
 from .commands.files import Files
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
+from .contracts import Solver
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .methods.registry import METHODS, MethodWords, Options
+from .solution.solution import ContactSolution
 from .tools.names import Known, Meant
 
 EPILOG = """examples:
@@ -38,17 +46,17 @@ what was computed is written in any case, and a line says into which files"""
 SCARCE = "bad_alloc", "Could not allocate", "failed to map segment", "start new thread"
 
 
-def Main(arguments=None):
+def Main(arguments: Sequence[str] | None = None) -> int:
     """Entry point; returns the exit code."""
     with SIGNALS.Ending() if arguments is None else nullcontext(), SIGNALS, Console() as console:
         try:
             return console.Code(_Code(arguments))
         except SystemExit as stop:      # of the parser: a mistake, or help
-            stop.code = console.Code(stop.code)
+            stop.code = console.Code(cast(int, stop.code))
             raise
 
 
-def _Code(arguments):
+def _Code(arguments: Sequence[str] | None) -> int:
     """The exit code of a command; whatever ends it is one line."""
     try:
         options = _Parser().parse_args(arguments)
@@ -74,10 +82,10 @@ def _Code(arguments):
 class _OneLine(argparse.ArgumentParser):
     """An argument parser whose errors are one line, without the usage, that points to its own help."""
 
-    def error(self, message):
+    def error(self, message: str) -> NoReturn:
         self.exit(2, f"{self.prog}: {message} (see {self.prog} --help)\n")
 
-    def parse_known_args(self, args=None, namespace=None):
+    def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
         # The parser of a command would hand what it does not know to the one above, whose help says nothing of it.
         namespace, unknown = super().parse_known_args(args, namespace)
         if unknown:
@@ -85,13 +93,13 @@ class _OneLine(argparse.ArgumentParser):
             self.error(f"unrecognized arguments: {' '.join(unknown)}{Meant(unknown[0].partition('=')[0], options)}")
         return namespace, unknown
 
-    def _check_value(self, action, value):
+    def _check_value(self, action: Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
             raise argparse.ArgumentError(action, f"invalid choice: {value!r}; choose one of {', '.join(action.choices)}"
                                          f"{Meant(value, action.choices)}")
 
 
-def _Parser():
+def _Parser() -> _OneLine:
     parser = _OneLine(prog="ngdgc", description="Discontinuous Galerkin methods for frictional contact with normal compliance.",
                       epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--version", action="version", version=f"ngdgc {__version__}")
@@ -107,7 +115,7 @@ def _Parser():
     return parser
 
 
-def _AddStability(commands):
+def _AddStability(commands: Commands) -> None:
     stability = commands.add_parser("stability", help="critical penalties and the constants of the lemmas for a case",
                                     description="For all discontinuous methods: the critical penalty, what the element bound "
                                     "asks for, coercivity and boundedness with the automatic penalty, by sparse eigenvalues.")
@@ -118,7 +126,7 @@ def _AddStability(commands):
     stability.set_defaults(command=Stability)
 
 
-def _AddRun(commands):
+def _AddRun(commands: Commands) -> None:
     run = commands.add_parser("run", help="solve a case; write report, figures, HTML page and VTK",
                               description="Solve a case and write report, figures, an HTML page, a VTK file and the solution.")
     run.add_argument("case", help="a file such as cases/example_4_1.py, or the name of a case that comes with the package")
@@ -141,13 +149,13 @@ def _AddRun(commands):
     run.set_defaults(command=Run)
 
 
-def ListCases(options):
+def ListCases(options: Namespace) -> int:
     for name in CaseFiles():
         print(f"{name:<16}{(LoadCase(name).__doc__ or '').strip().splitlines()[0]}")
     return 0
 
 
-def Run(options):
+def Run(options: Namespace) -> int:
     """Solve the case and write everything about it, also the last iterate of a solve that was stopped or failed."""
     from .commands.output import DrawResults, Progress, SaveResults
 
@@ -173,10 +181,8 @@ def Run(options):
     return code
 
 
-def _Solved(case, name, arguments):
+def _Solved(case: ModuleType, name: str, arguments: dict[str, Any]) -> tuple[ContactSolution | None, int, str | None]:
     """(solution, exit code, message) of a case; the solution is None if it was stopped before there was one."""
-    from .solution.solution import ContactSolution
-
     try:
         inspect.signature(case.Main).bind(**arguments)
     except TypeError as error:
@@ -196,14 +202,14 @@ def _Solved(case, name, arguments):
     return solution, 0, None
 
 
-def Stability(options):
+def Stability(options: Namespace) -> int:
     """Print what the lemmas say about a case, as far as it was computed also after Ctrl-C."""
-    from .studies.stability import Study, Table, Text
+    from .studies.stability import Constants, Study, Table, Text
 
     case = LoadCase(options.case)
     if not (callable(getattr(case, "Problem", None)) and callable(getattr(case, "Mesh", None))):
         raise ProblemError(f"{options.case} has no functions Problem() and Mesh(n); write them, or give another case")
-    rows = []
+    rows: list[Constants] = []
     try:
         study = Study(case.Problem(), case.Mesh(options.n), order=options.order, form=options.form, rows=rows, callback=Show)
     except BaseException:
@@ -214,7 +220,7 @@ def Stability(options):
     return 0
 
 
-def _CaseArguments(case, options):
+def _CaseArguments(case: ModuleType, options: Namespace) -> dict[str, Any]:
     """Keyword arguments for the case's Main; an option that the case does not know is an error."""
     chosen = Known(options.method, METHODS, what="method")
     row = METHODS[chosen]
@@ -234,7 +240,7 @@ def _CaseArguments(case, options):
     return arguments
 
 
-def _Solver(options):
+def _Solver(options: Namespace) -> Solver:
     """The solver of the options; one that the solver does not know is an error."""
     from .solvers import NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
 

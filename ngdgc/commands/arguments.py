@@ -1,20 +1,29 @@
 """Types of command line arguments: what is wrong with one is said in one line."""
 
+from __future__ import annotations
+
 import argparse
 import math
+from typing import Any, Protocol
 
 
-def Positive(text):
+class Commands(Protocol):
+    """What parsers of commands are added to: `add_subparsers` of argparse returns it."""
+
+    def add_parser(self, name: str, *given: Any, **words: Any) -> argparse.ArgumentParser: ...
+
+
+def Positive(text: str) -> int:
     """A positive integer."""
     return _Integer(text, 1, "a positive integer; give for example 4")
 
 
-def Natural(text):
+def Natural(text: str) -> int:
     """A nonnegative integer."""
     return _Integer(text, 0, "a nonnegative integer; give for example 0")
 
 
-def _Integer(text, least, words):
+def _Integer(text: str, least: int, words: str) -> int:
     try:
         value = int(text)
     except ValueError:
@@ -24,7 +33,7 @@ def _Integer(text, least, words):
     return value
 
 
-def Finite(text):
+def Finite(text: str) -> float:
     """A finite float."""
     try:
         value = float(text)
@@ -35,5 +44,5 @@ def Finite(text):
     return value
 
 
-def NumberOrAuto(text):
+def NumberOrAuto(text: str) -> float | str:
     return text if text == "auto" else Finite(text)

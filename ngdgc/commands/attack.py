@@ -1,6 +1,10 @@
 """The command that attacks the library: public names called with wrong, extreme and hostile values."""
 
-from .arguments import Natural, Positive
+from __future__ import annotations
+
+from argparse import Namespace
+
+from .arguments import Commands, Natural, Positive
 from .files import Files
 from .signals import SIGNALS
 from .studies import Show
@@ -8,7 +12,7 @@ from .studies import Show
 SOLVED = 0.3        # part of the calls that must end with a solution, or the attack would only knock at the door
 
 
-def AddAttack(commands):
+def AddAttack(commands: Commands) -> None:
     """The parser of the command, added to those of the command line."""
     parser = commands.add_parser("attack", help="call public names with hostile values and count faults", description="Every "
                                  "public name called with wrong, extreme and hostile values, and what comes out solved: only a "
@@ -23,7 +27,7 @@ def AddAttack(commands):
     parser.set_defaults(command=RandomAttack)
 
 
-def RandomAttack(options):
+def RandomAttack(options: Namespace) -> int:
     """Call, record, count."""
     from ..studies.attack.calls import Attack, Line, Tally
 

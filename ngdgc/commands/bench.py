@@ -1,16 +1,19 @@
 """The command `ngdgc bench`: what things cost beside the factorisation of the matrix."""
 
+from __future__ import annotations
+
 import os
 import sys
+from argparse import Namespace
 
 from ..exceptions import ProblemError
 from ..methods.registry import METHODS, TakesForm
-from .arguments import Positive
+from .arguments import Commands, Positive
 from .files import Files
 from .studies import Page as StudyPage, Show, Write, WritePage
 
 
-def AddBench(commands):
+def AddBench(commands: Commands) -> None:
     """The parsers of the benchmarks, added to those of the command line."""
     bench = commands.add_parser("bench", help="what things cost beside the factorisation of the matrix",
                                 description="Whole contact solutions, part by part, over sizes, methods and orders in 2D and "
@@ -38,7 +41,7 @@ def AddBench(commands):
     assembly.set_defaults(command=BenchAssembly)
 
 
-def Bench(options):
+def Bench(options: Namespace) -> int:
     """Everything; what was computed is written and printed also after Ctrl-C."""
     from ..studies.bench import solutions as bench
     from ..studies.bench.page import Compared, Figures, Page, Text
@@ -46,7 +49,8 @@ def Bench(options):
     benches = {name: points for name, points in bench.Benches(quick=options.quick).items() if options.only in name}
     if not benches:
         raise ProblemError(f"no bench has {options.only!r} in its name; choose among {', '.join(bench.Benches())}")
-    costs, lines = {}, []
+    costs: dict[str, list[bench.Cost]] = {}
+    lines = []
     with Files(options.out, "performance.txt") as files, StudyPage(options.page) as page:
         try:
             for name, points in benches.items():
@@ -64,11 +68,11 @@ def Bench(options):
             if costs:
                 Write(files, "performance", Text(costs, lines), lambda: Figures(costs))
         if page:
-            WritePage(page, Page(costs, lines, os.cpu_count()), lambda: Figures(costs))
+            WritePage(page, Page(costs, lines, os.cpu_count() or 1), lambda: Figures(costs))
     return 0
 
 
-def BenchAssembly(options):
+def BenchAssembly(options: Namespace) -> int:
     """Assembly beside factorisation."""
     from ..methods.variants import Variants
     from ..studies.bench.assembly import MeasureAssembly, Text

@@ -1,12 +1,18 @@
 """The command `ngdgc compare`: one case by all methods, as a figure and a table."""
 
+from __future__ import annotations
+
+from argparse import Namespace
+from collections.abc import Mapping
+
 import numpy as np
 
 from ..exceptions import NotConvergedError, SolveInterrupted
 from ..methods.registry import METHODS, PAPER
+from ..solution.solution import ContactSolution
 from ..tools.names import Known
 from ..tools.tables import Aligned
-from .arguments import Positive
+from .arguments import Commands, Positive
 from .casefiles import LoadCase
 from .files import Files
 from .studies import Show, Write
@@ -14,7 +20,7 @@ from .studies import Show, Write
 TITLES = ("method", "unknowns", "iterations", "solves", "seconds", "max |u|", "max p_n", "int p_n", "energy")
 
 
-def AddCompare(commands):
+def AddCompare(commands: Commands) -> None:
     """The parser of the command, added to those of the command line."""
     compare = commands.add_parser("compare", help="solve a case by several methods; a figure and a table",
                                   description="Solve a case by several methods on the same mesh; write and print a table, and "
@@ -28,7 +34,7 @@ def AddCompare(commands):
     compare.set_defaults(command=Compare)
 
 
-def Compare(options):
+def Compare(options: Namespace) -> int:
     """Solve, print and draw; the exit code is 1 if a method did not converge, whose last iterate is shown.
 
     What was computed is written also after Ctrl-C, the last iterate of the method at which it came included.
@@ -56,10 +62,10 @@ def Compare(options):
     return 0 if all(solution.converged for solution in solutions.values()) else 1
 
 
-def Table(solutions):
+def Table(solutions: Mapping[str, ContactSolution]) -> str:
     """A line of text for each of {label: solution}: its size and cost, the elastic energy, and on Gamma_C the largest |u|
     [length] and p_n [stress], and the integral of p_n."""
-    rows = [TITLES]
+    rows: list[tuple[str, ...]] = [TITLES]
     for label, solution in solutions.items():
         last = solution.history[-1]
         values = (np.linalg.norm(solution.displacement, axis=1).max(), solution.pressure.max(), solution.normalforce,

@@ -1,13 +1,19 @@
 """What a run shows and leaves: progress of the iteration, and a folder with report, figures, page, VTK and solution."""
 
+from __future__ import annotations
+
 import json
 import os
 import shutil
 import sys
 import time
+from collections.abc import Callable
 from functools import partial
+from pathlib import Path
+from typing import IO, Any, cast
 
-from ..solution.history import Prediction
+from ..solution.history import Prediction, Step
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from .files import Files
 
@@ -37,34 +43,37 @@ class Progress:
     iteration     1   change ...
     """
 
-    def __init__(self, stream=None):
+    def __init__(self, stream: IO[str] | None = None) -> None:
         self.display = _Display(self.Close) if stream is None else None
         self.stream = sys.stdout if stream is None else stream
         self.live = self.display is None and self.stream.isatty() and os.environ.get("TERM") != "dumb"
-        self.step, self.shown, self.time = None, None, 0.0
+        self.step: Step | None = None
+        self.shown: Step | None = None
+        self.time = 0.0
 
-    def __call__(self, step):
+    def __call__(self, step: Step) -> None:
         self.step = step
         if self.live or step.number == 1 or self._Due(step.number):
             self._Show()
 
-    def Predict(self, step):
+    def Predict(self, step: Step) -> None:
         """The same on a coarser mesh of a nested iteration."""
         self(step)
 
-    def Close(self):
+    def Close(self) -> None:
         """Show the last iteration if it has not been shown."""
         if self.step is not self.shown:
             self._Show()
 
-    def _Due(self, number):
+    def _Due(self, number: int) -> bool:
         since = time.perf_counter() - self.time
         if self.display is None:
             return number % EVERY == 0 or since >= SLOW
         return number <= FIRST or since >= PAUSE
 
-    def _Show(self):
-        step, follows = self.step, self.shown is not None and self.step.number > self.shown.number
+    def _Show(self) -> None:
+        step = cast(Step, self.step)
+        follows = self.shown is not None and step.number > self.shown.number
         coarse = f"prediction with {step.unknowns} unknowns, " if isinstance(step, Prediction) else ""
         line = (f"{coarse}iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
                 f"{step.seconds:7.2f} s")
@@ -83,23 +92,23 @@ class Progress:
             self.stream, self.live = open(os.devnull, "w"), False
 
 
-def _Display(Close):
+def _Display(Close: Callable[[], object]) -> Callable[[str, bool], None] | None:
     """In a notebook, a function (line, update) that shows a line or replaces the last one shown; elsewhere None.
 
     `Close` is called at the end of the cell.
     """
-    shell = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
+    shell: Any = sys.modules["IPython"].get_ipython() if "IPython" in sys.modules else None
     if not hasattr(shell, "kernel"):
         return None
     from IPython.display import display
 
-    handle = None
+    handle: Any = None
 
-    def AtEnd(*_):
+    def AtEnd(*_: object) -> None:
         shell.events.unregister("post_run_cell", AtEnd)
         Close()
 
-    def Display(line, update):
+    def Display(line: str, update: bool) -> None:
         nonlocal handle
         content = {"text/plain": line}
         if update:
@@ -110,7 +119,7 @@ def _Display(Close):
     return Display
 
 
-def SaveResults(solution, files):
+def SaveResults(solution: ContactSolution, files: Files) -> None:
     """Write what must not be lost to `files.Files`: the solution, the numbers and the report."""
     try:
         files.Write("solution/", solution.Save, precious=True)
@@ -119,7 +128,7 @@ def SaveResults(solution, files):
         files.Text("report.txt", solution.Report())
 
 
-def DrawResults(solution, files, *, scale=1.0):
+def DrawResults(solution: ContactSolution, files: Files, *, scale: float = 1.0) -> None:
     """Write page, VTK and figures; `scale` multiplies the displacement in the pictures.
 
     With another scale than 1 the deformed body is drawn at that scale too.
@@ -136,11 +145,15 @@ def DrawResults(solution, files, *, scale=1.0):
     if scale != 1:
         figures["deformed-scaled"] = lambda: DeformedFigure(solution, scale=scale)
     for name, Figure in figures.items():
-        files.Write(f"{name}.png", lambda path, Figure=Figure: Figure().savefig(path, dpi=150))
+        files.Write(f"{name}.png", partial(_DrawInto, Figure))
+
+
+def _DrawInto(Figure: Callable[[], Any], path: str) -> None:
+    Figure().savefig(path, dpi=150)
 
 
 @ByKeyword
-def WriteResults(solution, folder, *, scale=1.0):
+def WriteResults(solution: ContactSolution, folder: str | Path, *, scale: float = 1.0) -> list[str]:
     """Write into a folder all that `ngdgc run` leaves; the list of names."""
     files = Files(folder)
     SaveResults(solution, files)

@@ -1,18 +1,30 @@
 """The commands that compare methods and try solvers: Table 3, convergence, locking, atlas, sweep, grid."""
 
+from __future__ import annotations
+
 import sys
-from contextlib import nullcontext
+from argparse import ArgumentParser, Namespace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from itertools import product
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from ..methods.registry import METHODS, TakesForm
-from .arguments import Finite, NumberOrAuto, Positive
+from .arguments import Commands, Finite, NumberOrAuto, Positive
 from .files import Files
 from .signals import SIGNALS
 
+if TYPE_CHECKING:       # loaded by the commands that need them
+    from matplotlib.figure import Figure
 
-def AddStudies(commands):
+    from ..studies.atlas.solvers import Row, Sweep
+    from ..studies.convergence import Series
+    from ..studies.samples import Sample
+
+
+def AddStudies(commands: Commands) -> None:
     """The parsers of the studies, added to those of the command line."""
     table = commands.add_parser("table3", help="print Table 3 of the paper, in every protocol, beside our numbers")
     _AddMethod(table)
@@ -32,7 +44,7 @@ def AddStudies(commands):
     _AddSweep(commands)
 
 
-def _AddErrors(commands):
+def _AddErrors(commands: Commands) -> None:
     convergence = commands.add_parser("convergence", help="errors and observed orders on a smooth solution",
                                       description="Errors and observed orders on the smooth solution ngdgc.exact.SmoothSlip:"
                                       " a table, and a figure for each kind of cells.")
@@ -68,7 +80,7 @@ def _AddErrors(commands):
     locking.set_defaults(command=Locking)
 
 
-def _AddSweep(commands):
+def _AddSweep(commands: Commands) -> None:
     sweep = commands.add_parser("sweep", help="solve random problems and count failures", description="Random problems in 2D "
                                 "and 3D with all methods and laws, soft and stiff foundations: every result is a line of "
                                 "sweep.jsonl as soon as it is there; a tally and a figure at the end, also after Ctrl-C.")
@@ -88,7 +100,7 @@ def _AddSweep(commands):
     grid.set_defaults(command=ParameterGrid)
 
 
-def _AddMethod(parser, forms=False):
+def _AddMethod(parser: ArgumentParser, forms: bool = False) -> None:
     parser.add_argument("--method", type=str.lower, default="all", help=f"{', '.join(METHODS)}, or all: the paper's "
                         "four and h1 (default)")
     if forms:
@@ -96,12 +108,12 @@ def _AddMethod(parser, forms=False):
         parser.add_argument("--penalty", default="auto", type=NumberOrAuto, help="of every discontinuous method, as for run")
 
 
-def Show(line):
+def Show(line: str) -> None:
     """A line of progress."""
     print(line, file=sys.stderr, flush=True)
 
 
-def Write(files, name, text, Figures):
+def Write(files: Files, name: str, text: str, Figures: Callable[[], Mapping[str, Figure]]) -> None:
     """Print and write a table, and then the figures {stem: figure} that a function draws, which takes its time."""
     print(text)
     files.Text(f"{name}.txt", text + "\n")
@@ -109,19 +121,19 @@ def Write(files, name, text, Figures):
         files.Write(f"{stem}.png", partial(figure.savefig, dpi=150))
 
 
-def Page(file):
+def Page(file: str | None) -> AbstractContextManager[Files | None]:
     """The Files of a page of the documentation, for `WritePage`; without a file, nothing to write."""
     return Files(Path(file).parent, Path(file).name, option="--page") if file else nullcontext()
 
 
-def WritePage(files, text, Figures):
+def WritePage(files: Files, text: str, Figures: Callable[[], Mapping[str, Figure]]) -> None:
     """Write a page, and the figures {stem: figure} that a function draws in images/ beside it."""
     files.Text(files.names[0], text)
     for stem, figure in Figures().items():
         files.Write(f"images/{stem}.png", partial(figure.savefig, dpi=110))
 
 
-def Convergence(options):
+def Convergence(options: Namespace) -> int:
     """Errors of methods x orders x cells on the smooth solution; what was computed is written also if a solve fails."""
     from ..exact import SmoothSlip
     from ..meshes import BOXCELLS, UnitMesh
@@ -133,10 +145,10 @@ def Convergence(options):
     for cells in options.cells:
         UnitMesh(1, cells)      # unknown cells are an error before the first solve
 
-    def Figures():
+    def Figures() -> dict[str, Figure]:
         return {f"convergence_{cells}": ConvergenceFigure(group) for cells, group in series.items()}
 
-    series = {}
+    series: dict[str, list[Series]] = {}
     with Files(options.out, "convergence.txt") as files:
         try:
             for cells, method, order in product(options.cells, methods.values(), options.order):
@@ -149,7 +161,7 @@ def Convergence(options):
     return 0
 
 
-def Accuracy(options):
+def Accuracy(options: Namespace) -> int:
     """Error against time of methods x orders x cells."""
     from ..exact import SmoothSlip
     from ..meshes import BOXCELLS, UnitMesh
@@ -161,7 +173,7 @@ def Accuracy(options):
     for cells in options.cells:
         UnitMesh(1, cells)
 
-    def Figures():
+    def Figures() -> dict[str, Figure]:
         return {f"accuracy_{cells}": AccuracyFigure([one for one in series if one.cells == cells])
                 for cells in dict.fromkeys(one.cells for one in series)}
 
@@ -179,7 +191,7 @@ def Accuracy(options):
     return 0
 
 
-def Locking(options):
+def Locking(options: Namespace) -> int:
     """Errors of methods x orders for growing lam; what was computed is written also if a solve fails."""
     from ..methods.variants import Variants
     from ..plots import LockingFigure
@@ -197,7 +209,7 @@ def Locking(options):
     return 0
 
 
-def Atlas(options):
+def Atlas(options: Namespace) -> int:
     """All solvers on all problems; what was computed is written and printed also after Ctrl-C."""
     from ..studies.atlas import solvers as atlas
     from ..studies.atlas.page import Figures, Table, Text
@@ -218,7 +230,7 @@ def Atlas(options):
     return 0
 
 
-def AtlasPage(files, rows, sweeps):
+def AtlasPage(files: Files, rows: Sequence[Row], sweeps: Mapping[str, Sweep]) -> None:
     """The page of the atlas, its figures, and all rows in atlas.csv."""
     from ..studies.atlas.page import Figures, Page, Table
 
@@ -229,7 +241,7 @@ def AtlasPage(files, rows, sweeps):
             table.Add(row)
 
 
-def Table3(options):
+def Table3(options: Namespace) -> int:
     """Print Table 3, as far as it was computed also after Ctrl-C; write the page if asked."""
     from ..studies import table3
 
@@ -247,7 +259,7 @@ def Table3(options):
     return 0
 
 
-def RandomSweep(options):
+def RandomSweep(options: Namespace) -> int:
     """Random problems."""
     from ..studies.sweep import Samples
 
@@ -255,7 +267,7 @@ def RandomSweep(options):
     return _Solve("sweep", title, Samples(options.seed, options.count, dofs=options.dofs), options.count, options.out)
 
 
-def ParameterGrid(options):
+def ParameterGrid(options: Namespace) -> int:
     """The grid of parameters."""
     from ..solvers import SemismoothNewtonSolver
     from ..studies.grid import Grid
@@ -265,7 +277,7 @@ def ParameterGrid(options):
                   fromzero=SemismoothNewtonSolver())
 
 
-def _Solve(name, title, samples, count, out, **options):
+def _Solve(name: str, title: str, samples: Iterable[tuple[int, Sample]], count: int, out: str, **options: Any) -> int:
     """Solve samples, write and print what became of them, also after Ctrl-C; 1 if too many failed."""
     from ..plots import SweepFigure
     from ..studies.sweep import ALLOWED, Line, Sweep, Tally

@@ -108,7 +108,7 @@ def test_the_package_is_consistent_with_its_own_hints(tmp_path):
 
 STRICT = ("contracts", "exceptions", "meshes", "exact", "traces", "errors", "export", "discretization", "tools", "data", "mesh",
           "problem", "blocks", "linear", "methods", "contact", "discrete", "theory", "solution", "plots",
-          "solvers", "studies.convergence", "studies.table3")
+          "solvers", "commands", "cli", "studies", "conformance")
 
 
 def Strict(module, sections):

@@ -14,9 +14,10 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stderr, redirect_stdout
 from dataclasses import asdict, dataclass, replace
+from multiprocessing.connection import Connection
 from pathlib import Path
 from time import perf_counter
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from ngsolve import Mesh
@@ -83,10 +84,11 @@ class Call:
         self.words = f"{self.name}({', '.join([*map(Short, arguments), *(f'{k}={Short(v)}' for k, v in keywords.items())])})"
         return self._Used(function(*arguments, **keywords))
 
-    def _Arguments(self, function):
+    def _Arguments(self, function: Callable[..., Any]) -> tuple[list[Any], dict[str, Any]]:
         """(positional, keywords) of the call, hostile or not."""
         rng, setting, owner = self.rng, self.setting, self._member or self.name
-        arguments, keywords = [], {}
+        arguments: list[Any] = []
+        keywords: dict[str, Any] = {}
         for one in Parameters(self.name, function):
             if one.default is not one.empty and rng.random() > GIVEN and one.name not in NEEDED.get(self.name, ()):
                 continue
@@ -111,7 +113,7 @@ class Call:
                     keywords[name] = "print"    # whatever a callback raises is whose it is
         return arguments, keywords
 
-    def _Misshapen(self, arguments, keywords):
+    def _Misshapen(self, arguments: list[Any], keywords: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
         kind = self.rng.integers(4)
         if kind == 0:
             return [*arguments, *keywords.values(), Hostile(self.rng, self.setting.mesh)], {}
@@ -121,7 +123,7 @@ class Call:
             return arguments, {f"{name}x": value for name, value in keywords.items()} or {"nobody": 1}
         return [], keywords
 
-    def _Used(self, result):
+    def _Used(self, result: Any) -> str:
         """What came out, put into a problem and solved."""
         setting = self.setting
         solution = self._Solved(result)
@@ -131,7 +133,7 @@ class Call:
             solution = vars(setting).get("solution") or (vars(setting)["disc"].Solve() if "disc" in vars(setting) else None)
         return "solution" if solution is not None and solution.converged is True else "value"
 
-    def _Solved(self, result):
+    def _Solved(self, result: Any) -> Any:
         setting, problem = self.setting, None
         if isinstance(result, Mesh):
             fits = result.ne <= LARGE and {"top", "bottom"} <= set(result.GetBoundaries()) and result.dim == setting.dim
@@ -179,7 +181,7 @@ def Attempt(seed: int, number: int) -> Record:
     return Record(number, call.name, call.words, outcome, detail, perf_counter() - start)
 
 
-def _Serve(connection, seed, Make):
+def _Serve(connection: Connection, seed: int, Make: Callable[[int, int], Record]) -> None:
     """What a process does: the calls whose numbers come."""
     while True:
         connection.send(Make(seed, connection.recv()))
@@ -188,18 +190,18 @@ def _Serve(connection, seed, Make):
 class _Process:
     """A process that makes calls, and another one after it has ended or hung."""
 
-    def __init__(self, seed, Make):
+    def __init__(self, seed: int, Make: Callable[[int, int], Record]) -> None:
         self.seed, self.Make = seed, Make
         self._Start()
 
-    def _Start(self):
+    def _Start(self) -> None:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         self.process = context.Process(target=_Serve, args=(theirs, self.seed, self.Make), daemon=True)
         self.process.start()
         theirs.close()
 
-    def Attempt(self, number, limit):
+    def Attempt(self, number: int, limit: float) -> Record:
         name = Call(self.seed, number, Path(".")).name
         try:
             self.connection.send(number)
@@ -213,7 +215,7 @@ class _Process:
         self._Start()
         return Record(number, name, name, outcome, detail, limit if outcome == "hung" else 0.0)
 
-    def Close(self):
+    def Close(self) -> None:
         self.process.kill()
         self.process.join()
         self.connection.close()

@@ -1,12 +1,15 @@
 """Values that nobody should give, but somebody does: of wrong types, extreme sizes, shapes and contents."""
 
+from __future__ import annotations
+
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from ngsolve import CF, H1, L2, GridFunction, IfPos, Parameter, VectorH1, sin, specialcf, sqrt, x, y
+from ngsolve import CF, GridFunction, H1, IfPos, L2, Mesh, Parameter, VectorH1, sin, specialcf, sqrt, x, y
 
+from ...contracts import Array
 from ...problem.laws import ComplianceLaw, FrictionLaw
 
 NUMBERS = (0, -1, 1, 2, 3, 0.5, -0.5, 1.5, -0.0, 1e-300, 1e300, -1e300, 1e-12, 1e12, 10 ** 30, 2 ** 63, 10 ** 400, float("nan"),
@@ -28,10 +31,10 @@ class OddLaw(ComplianceLaw):
     def __init__(self, kind: str) -> None:
         self.kind = kind
 
-    def Pressure(self, r):
+    def Pressure(self, r: Array) -> Any:
         return Odd(self.kind, 300 * np.maximum(r, 0), r)
 
-    def PressureDerivative(self, r):
+    def PressureDerivative(self, r: Array) -> Any:
         return 300.0 * (r > 0)
 
 
@@ -41,11 +44,11 @@ class OddFriction(FrictionLaw):
     def __init__(self, kind: str) -> None:
         self.kind = kind
 
-    def Bound(self, r, p):
+    def Bound(self, r: Array, p: Array) -> Any:
         return Odd(self.kind, 0.3 * p, r)
 
 
-def Odd(kind, values, r):
+def Odd(kind: str, values: Array, r: Array) -> Any:
     """What the method of such a law returns; of the kind "raising" nothing, and KeyError."""
     if kind == "in place":
         r[:] = np.nan
@@ -57,7 +60,7 @@ def Odd(kind, values, r):
 ODD = ("raising", "complex", "nan", "list", "none", "infinite", "negative", "flat", "text", "number", "in place")
 
 
-def Functions(mesh):
+def Functions(mesh: Mesh) -> tuple[Any, ...]:
     """CoefficientFunctions of all kinds."""
     gfu, inside = GridFunction(H1(mesh, order=1)), GridFunction(L2(mesh, order=0))
     return (x, CF(0), CF(1), CF((1, 2)), CF((1, 2, 3)), CF(1j), CF((1j, 0)), CF(((1, 2), (3, 4))), 1 / (x - x), sqrt(-1 - x),
@@ -66,14 +69,14 @@ def Functions(mesh):
             gfu.space.TrialFunction(), GridFunction(VectorH1(mesh, order=1)))
 
 
-def Hostile(rng, mesh):
+def Hostile(rng: np.random.Generator, mesh: Mesh) -> Any:
     """A value that is drawn from all of them."""
     pools = NUMBERS, ARRAYS, WORDS, THINGS, Functions(mesh), [OddLaw(kind) for kind in ODD], [OddFriction(kind) for kind in ODD]
     pool = pools[rng.choice(len(pools), p=(0.3, 0.15, 0.15, 0.15, 0.15, 0.05, 0.05))]
     return pool[rng.integers(len(pool))]
 
 
-def Spoiled(value, rng, mesh):
+def Spoiled(value: Any, rng: np.random.Generator, mesh: Mesh) -> Any:
     """A value with something hostile in its place, or inside of it."""
     if isinstance(value, dict) and value and rng.random() < 0.7:
         key = list(value)[rng.integers(len(value))]

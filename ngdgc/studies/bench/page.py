@@ -44,9 +44,9 @@ def Text(benches: Mapping[str, Sequence[Cost]], peers: Iterable[str]) -> str:
     return "\n".join(lines[1:])
 
 
-def Compared(name: str, result: Any, ours: Cost) -> str:
+def Compared(name: str, result: Any, ours: Cost | None) -> str:
     """A line on a peer: a dict of `solutions.Peer` beside our Cost of the same problem, or the reason why there is none."""
-    if isinstance(result, str):
+    if isinstance(result, str) or ours is None:
         return f"{name}: skipped, {result}"
     what, own = ("the whole solution", ours.total) if name == "GetFEM" else ("the assembly", ours.assembly)
     seconds, own = result["seconds"], np.median(own)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Self, cast
 
 import numpy as np
@@ -57,6 +57,13 @@ class GroupGeometry:
         part.elements, part.facets, part.rollers, part._kind = (
             array[rows] for array in (self.elements, self.facets, self.rollers, self._kind))
         return part
+
+    def With(self, make: Callable[[ReferenceElement], Any]) -> Self:
+        """The same elements with other shapes, make(ReferenceElement), which see them at other points; `uniform` ones."""
+        other = self.Part(slice(None))
+        other._shapes = [make(shape) for shape in self._shapes]
+        other.reference = other._shapes[0]
+        return other
 
     def Parts(self, entries: int) -> Iterator[tuple[np.ndarray, Self]]:
         """(rows, Part) of batches of elements whose matrices have that many entries each."""

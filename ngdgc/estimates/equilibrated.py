@@ -18,7 +18,7 @@ SIAM J. Numer. Anal. 45 (2007); Ern, Nicaise, Vohralik, C. R. Acad. Sci. Paris 3
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -29,6 +29,7 @@ from ngsolve import GridFunction, specialcf
 from ..blocks.integrals import ElementGroup, SymmetricBasis
 from ..blocks.operators import FacetOperators
 from ..contracts import Array
+from ..data.coefficients import VectorsAt
 from ..methods.lifting import WeakFacets
 from .piola import Piola
 
@@ -55,6 +56,12 @@ class StressBatch:
         """The integrals (n,) of values (n, q) over the elements."""
         return np.einsum("nq,nq->n", self.weights, density)
 
+    def BodyForce(self, problem: Any) -> Array:
+        """f_1 at the points, (n, q, d) [stress/length]."""
+        if problem.bodyforce is None:
+            return np.zeros_like(self.divergence)
+        return VectorsAt(problem.bodyforce, self.points.ravel(), "bodyforce").reshape(self.divergence.shape)
+
 
 class EquilibratedStress:
     """The equilibrated stress of a solution of a discontinuous method, in batches of elements."""
@@ -73,9 +80,13 @@ class EquilibratedStress:
         self._theta = self.form.theta if self.form.consistent else 0
         self._jump: Any = self.form.Jump(gfu) if self._theta else None
 
-    def Batches(self) -> Iterator[StressBatch]:
-        """All elements, each once."""
-        for number, (group, fine) in enumerate(zip(self.operators.groups, self._fine.groups)):
+    def Batches(self, Seen: Callable[[ElementGroup], ElementGroup] | None = None) -> Iterator[StressBatch]:
+        """All elements, each once.
+
+        Seen : gives the elements of a group at other points than those of a quadrature for norms
+        """
+        fines = self._fine.groups if Seen is None else map(Seen, self.operators.groups)
+        for number, (group, fine) in enumerate(zip(self.operators.groups, fines)):
             signs = self.operators.Signs(number)
             lifted = self._Liftings(number) if self._theta and self.form.lifted else None
             points = fine.MeshPoints(self.disc.mesh, fine.reference)

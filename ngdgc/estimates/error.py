@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
 from ngsolve import ET
 
 from ..contracts import Array
-from ..data.coefficients import VectorsAt
 from ..exceptions import ProblemError
 from ..methods.blockform import FacetForm
 from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
+from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
 from .estimate import ErrorEstimate
 from .lawpart import LawPart
@@ -37,7 +38,8 @@ def EstimateError(solution: Any) -> ErrorEstimate:
         less of a shear than the other, the larger one counts for both
 
     For linear problems with s symmetric value is a bound (Prager and Synge).  No constant is chosen.  The cost is a small part
-    of that of the solution: no equation is solved.
+    of that of the solution: no equation is solved.  `ErrorEstimate.bound` makes s symmetric on triangles and tetrahedra; with
+    friction that depends on the solution it takes some applications of A^-1.
 
     Raises ProblemError if the solution has not converged; for H1, which has no numerical flux; for methods of your own that are
     no rows of facet operators; with forms that were added; for pyramids.
@@ -57,7 +59,8 @@ def EstimateError(solution: Any) -> ErrorEstimate:
     indicators: Array = np.sum(list(squares.values()), axis=0)
     value, size = float(np.sqrt(indicators.sum())), float(np.sqrt(2 * solution.energy))
     return ErrorEstimate(value=value, relative=value / size if size else value and np.inf, indicators=indicators,
-                         parts={name: float(np.sqrt(square.sum())) for name, square in squares.items()})
+                         parts={name: float(np.sqrt(square.sum())) for name, square in squares.items()},
+                         Theory=partial(Bound, solution))
 
 
 def _Check(solution: Any) -> None:
@@ -113,7 +116,5 @@ def _Skew(batch: StressBatch, difference: Array, shear: Array) -> Array:
 
 def _Oscillation(disc: Any, batch: StressBatch, shear: Array) -> Array:
     """(h/(pi (k + 1)))^2/(2 mu) |f_1 + div s|^2 over the elements: f_1 + div s is orthogonal to V_h, w - Pi_k w is small."""
-    rest = batch.divergence
-    if disc.problem.bodyforce is not None:
-        rest = rest + VectorsAt(disc.problem.bodyforce, batch.points.ravel(), "bodyforce").reshape(rest.shape)
+    rest = batch.BodyForce(disc.problem) + batch.divergence
     return (batch.diameters / (np.pi * (disc.order + 1))) ** 2 * batch.Integral(np.square(rest).sum(axis=2) / (2 * shear))

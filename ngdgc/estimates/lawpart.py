@@ -48,7 +48,7 @@ class LawGaps:
     """At m points of Gamma_C: elements (m,) behind, weights (m,) [length^(d-1)], and densities (m,) [stress length].
 
     gap : Fenchel and Young's, normal and friction;  envelope : what counts of it in an estimate;
-    infeasible : h/(2 mu) |what of t was replaced|^2
+    infeasible : h/(2 mu) |what of t was replaced|^2;  cut : that of what no law can give alone, which belongs to `gap`
     """
 
     elements: Any
@@ -56,6 +56,7 @@ class LawGaps:
     gap: Array
     envelope: Array
     infeasible: Array
+    cut: Array
 
 
 def LawPart(solution: Any, potential: Potential, stress: EquilibratedStress) -> list[LawGaps]:
@@ -64,6 +65,25 @@ def LawPart(solution: Any, potential: Potential, stress: EquilibratedStress) -> 
     slips = np.ones(len(disc.facets.boundary[0]), dtype=bool)       # boundary elements all of whose contact points slip
     slips[disc.contact.boundaryelements[solution.zones[disc.contact.members] != SLIP]] = False
     return [FoundationPoints(disc, foundation, potential).Gaps(stress, slips) for foundation in disc.problem.foundation]
+
+
+def Pushed(solution: Any, potential: Potential, stress: EquilibratedStress) -> Potential | None:
+    """The potential lowered by hat functions where it is deeper in the foundation than its traction, or None if nowhere."""
+    disc, dim = solution.disc, solution.disc.mesh.dim
+    shift, normals = np.zeros(disc.mesh.nv), np.zeros((disc.mesh.nv, dim))
+    vertices = disc.facets.boundary[2]
+    for foundation in disc.problem.foundation:
+        points = FoundationPoints(disc, foundation, potential)
+        excess, quadrature = points.Excess(stress), points.quadrature
+        for corner in vertices[quadrature.boundaryelements].T:
+            there = corner >= 0
+            np.maximum.at(shift, corner[there], excess[there])
+            normals[corner[there]] = quadrature.normals[there]
+    held = [np.unique(vertices[disc.facets.On(region)[disc.facets.boundary[0]]])
+            for region in (*disc.problem.dirichlet, *disc.problem.roller)]
+    for numbers in held:
+        shift[numbers[numbers >= 0]] = 0
+    return potential.Moved(-shift[:, None] * normals) if np.any(shift) else None
 
 
 class FoundationPoints:
@@ -102,7 +122,20 @@ class FoundationPoints:
         cost = [np.bincount(self._facet, self.quadrature.weights * (2 * law + rest)) for law, rest in (kept, moved)]
         better = (cost[1] < cost[0])[self._facet]
         envelope, infeasible = (np.where(better, moved[n], kept[n]) for n in (0, 1))
-        return LawGaps(self.quadrature.elements, self.quadrature.weights, given.gap, envelope, infeasible)
+        return LawGaps(self.quadrature.elements, self.quadrature.weights, given.gap, envelope, infeasible, kept[1])
+
+    def Excess(self, stress: EquilibratedStress) -> Array:
+        """By how much v is to be lowered at the points, (m,) [length]: to r*, on facets where that costs less than the gap.
+
+        The costs are p (r - r*) and mu (r - r*)^2/h of the body.
+        """
+        normal = -self._Normal(stress.Traction(self.quadrature))
+        p = np.maximum(normal, 0)
+        depth, p = _Depth(self._part, self._gamma, p, np.abs(self._r))
+        excess, weights = np.maximum(self._r - depth, 0), self.quadrature.weights
+        gap = np.bincount(self._facet, weights * _Young(self._part, depth, self._r, p))
+        cost = np.bincount(self._facet, weights * (p + self._gamma * excess) * excess)
+        return np.where((gap > cost)[self._facet], excess, 0)
 
     def _Mean(self, values):
         """The mean over the facet of each point."""

@@ -9,6 +9,7 @@ Gauss and Seidel over the stars of vertices follow, for the least |C eps(v) - C 
 
 from __future__ import annotations
 
+from copy import copy
 from functools import lru_cache
 from typing import Any
 
@@ -73,6 +74,16 @@ class Potential:
         for _ in range(sweeps):
             smoother.Smooth(self.gfu.vec, load)
             smoother.SmoothBack(self.gfu.vec, load)
+
+    def Moved(self, displacements: Array) -> Potential:
+        """The potential and hat functions with these values (vertices, d) at the vertices."""
+        other = copy(self)
+        other.gfu = GridFunction(self.gfu.space)
+        values = other.gfu.vec.FV().NumPy()
+        values[:] = self.gfu.vec.FV().NumPy()
+        # The functions of the vertices come first in every component, and are those of order 1.
+        values.reshape(self.mesh.dim, -1)[:, :self.mesh.nv] += displacements.T
+        return other
 
     def Gradient(self, part: ElementGroup) -> Array:
         """grad v at the points of a part, (n, q, i, j)."""

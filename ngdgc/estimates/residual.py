@@ -61,8 +61,9 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
                   "law": ContactResidual(solution)}
         indicators = sum(shares.values(), np.zeros(disc.mesh.ne))
         value, size = float(np.sqrt(indicators.sum())), float(np.sqrt(2 * solution.energy))
-    return ErrorEstimate(value=value, relative=value / size if size else np.inf, indicators=indicators, reason=REASON,
-                         parts={name: float(np.sqrt(share.sum())) for name, share in shares.items()})
+    return ErrorEstimate(value=value, relative=value / size if size else np.inf, indicators=indicators,
+                         parts={name: float(np.sqrt(share.sum())) for name, share in shares.items()},
+                         Theory=lambda: (None, REASON))
 
 
 class _Residuals:

@@ -1,0 +1,173 @@
+"""An upper bound of the error in the energy norm, where theory has one.
+
+With a = s - s_h, s symmetric and in equilibrium (`symmetric`), b = C eps(v) - s_h, norms |.| of C^-1, Phi the Fenchel-Young
+gaps of the law at (v, -s n) (`lawpart`) and I what of -s n no law can give, the error x = |C eps(u) - s_h| satisfies
+
+    x^2 <= (|a + b| + I) x + Phi + I |b| - (a, b),
+
+because (C eps(u) - s, eps(u) - eps(v)) <= Phi for a law that is the derivative of a convex function: without friction, or with
+a bound of friction that is given (Tresca).  One that depends on the solution, p_t with |dp_t/dp_n| <= L, makes the problem
+quasi-variational: the right-hand side bounds the error against the problem with the computed bound of friction, and 1/(1 - q)
+times that the error itself, q = L kappa,
+
+    kappa^2 = largest eigenvalue of (S_nn - S_nt S_tt^-1 S_tn + 1/p_n')^-1 S_tt,
+
+S the compliance of Gamma_C, on tractions in the contact zone that are constant on a few patches (sketched, not proved): a
+change of the bound by L dp does the work (L |dp|, |du_t|), and the energy of the change is at least that of dp alone.
+
+A foundation that is much stiffer than the body makes much of a penetration beyond that of its traction: the bound is computed
+with v lowered there, too, and the smaller one taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from ..contact.parts import ContactPart, OverParts
+from ..contracts import Array
+from ..mesh.facets import Csr, Native
+from .equilibrated import Complementary, EquilibratedStress, Stress
+from .lawpart import LawPart, Pushed
+from .potential import Potential
+from .symmetric import Split, Symmetrised
+
+PATCHES = 12            # of Gamma_C, for kappa
+LARGEST = 0.5           # q up to which the factor is given
+SHARP = 1e-10           # relative to the load: body forces that V_h contains
+SIMPLICES = {2: 3, 3: 4}
+
+
+def Bound(solution: Any) -> tuple[float | None, str]:
+    """(an upper bound of the error in the energy norm or None, what it holds for or why there is none)."""
+    with solution.state.Restored():
+        reason = _Refusal(solution.disc)
+        q, words = (None, reason) if reason else _Feedback(solution)
+        if q is None:
+            return None, words
+        stress, potential = EquilibratedStress(solution), Potential(solution)
+        found = [_Hypercircle(solution, stress, potential)]
+        pushed = Pushed(solution, potential, stress)
+        if pushed is not None:
+            found.append(_Hypercircle(solution, stress, pushed))
+    if not np.isfinite(min(found)):
+        return None, "the body force is no polynomial of degree k on the elements"
+    return min(found) / (1 - q), words
+
+
+def _Refusal(disc: Any) -> str:
+    counts = (disc.facets.vertices >= 0).sum(axis=1)
+    if np.any(counts != SIMPLICES[disc.mesh.dim]):
+        return "no symmetric stress in equilibrium is known here on other cells than triangles and tetrahedra"
+    if not all(group.uniform for group in disc.facetform.operators.groups):
+        return "the elements are curved, or the material varies in them"
+    return ""
+
+
+def _Feedback(solution: Any) -> tuple[float | None, str]:
+    """(q, words), q None without a bound."""
+    disc, contact = solution.disc, solution.disc.contact
+    r = np.maximum(solution.penetration, 0)
+    p = solution.pressure
+    if not any(part.friction for part in contact.parts):
+        return 0.0, "strict, for a law without friction"
+    _, weakening = OverParts(contact.parts, ContactPart.SlipFactor, np.linalg.norm(solution.slip, axis=1))
+    if np.any(weakening < 0):
+        return None, "friction weakens with the slip"
+    slope = contact.PressureDerivative(r)
+    byr, byp = OverParts(contact.parts, ContactPart.BoundDerivatives, r, p)
+    steep = np.abs(byp) + np.where(byr > 0, byr / np.where(slope > 0, slope, 1), 0)
+    steep = float(steep[p > 0].max(initial=0))
+    if steep == 0:
+        return 0.0, "strict, for a bound of friction that is given"
+    q = steep * _Kappa(disc, np.where(p > 0, slope, 0))
+    if q >= LARGEST:
+        return None, f"the bound of friction depends too much on the solution, q = {q:.2f}"
+    return q, f"with the factor 1/(1 - q), q = {q:.2f}, for a bound of friction that depends on the solution"
+
+
+def _Kappa(disc: Any, slope: Array) -> float:
+    """kappa, from p_n' at the contact points, (n,), 0 off the contact zone."""
+    contact, active = disc.contact, slope > 0
+    patch = np.full(len(slope), -1)
+    patch[active] = _Patches(contact.coordinates[active])
+    directions, m = [contact.normals, *_Tangents(contact.normals)], patch.max() + 1
+    tractions = np.array([direction * (patch == number)[:, None] for direction in directions for number in range(m)])
+    Respond, added = _Response(disc, slope[active].min())
+    moved = np.array([contact.Displacement(Respond(contact.Load(traction))) for traction in tractions])
+    S = np.einsum("n,and,bnd->ab", contact.weights, tractions, moved, optimize=True)
+    S, n, found = (S + S.T) / 2, slice(0, m), 0.0
+    size, soft = (np.bincount(patch[active], (contact.weights * value)[active], minlength=m)
+                  for value in (np.ones_like(slope), 1 / np.where(active, slope, 1)))
+    for e in range(1, len(directions)):
+        t = slice(e * m, (e + 1) * m)
+        # As matrices of the form (p, S q) on patches, whose mass is `size`; what was added to A is taken away again.
+        rest = S[n, n] - S[n, t] @ np.linalg.solve(S[t, t], S[t, n])
+        if added:
+            operator = rest / np.sqrt(np.outer(size, size))
+            rest = np.linalg.inv(np.linalg.inv(operator) - added * np.eye(m)) * np.sqrt(np.outer(size, size))
+        found = max(found, np.abs(np.linalg.eigvals(np.linalg.solve(rest + np.diag(soft), S[t, t]))).max())
+    return float(np.sqrt(found))
+
+
+def _Response(disc: Any, slope: float) -> tuple[Callable[[Array], Array], float]:
+    """(load -> coefficients, the normal stiffness of Gamma_C that was added to A because the body is held by nothing else)."""
+    if not disc.unresisted:
+        return disc.SolveLinear, 0.0
+    contact = disc.contact
+    added = min(slope, 1 / contact.flexibility)
+    rows = sp.csr_matrix((contact.normals.ravel(), np.arange(contact.normals.size),
+                          np.arange(0, contact.normals.size + 1, contact.dim)))     # n, (n i): v_n
+    trace = rows @ contact.trace
+    inverse = disc.Factorise(Native(Csr(disc.matrix) + added * (trace.T @ sp.diags(contact.weights) @ trace)))
+    return lambda load: disc.ApplyInverse(inverse, load), added
+
+
+def _Patches(coordinates: Array) -> Any:
+    """The patch of each point, (n,): equally many points in slices across the longest side, in 3D in slices of these."""
+    order = np.argsort(np.ptp(coordinates, axis=0))[::-1]
+    counts = [PATCHES] if coordinates.shape[1] == 2 else [4, 3]
+    patch = np.zeros(len(coordinates), dtype=int)
+    for axis, count in zip(order, counts):
+        new = np.zeros_like(patch)
+        for number in np.unique(patch):
+            here = np.flatnonzero(patch == number)
+            rank = np.argsort(np.argsort(coordinates[here, axis], kind="stable"))
+            new[here] = number * count + rank * count // len(here)
+        patch = np.unique(new, return_inverse=True)[1]
+    return patch
+
+
+def _Tangents(normals: Array) -> list[Array]:
+    """Orthonormal tangents at the points, d - 1 arrays (n, d)."""
+    if normals.shape[1] == 2:
+        return [np.stack([-normals[:, 1], normals[:, 0]], axis=1)]
+    away = np.eye(3)[np.argmin(np.abs(normals), axis=1)]
+    first = np.cross(normals, away)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return [first, np.cross(normals, first)]
+
+
+def _Hypercircle(solution: Any, stress: EquilibratedStress, potential: Potential) -> float:
+    """The bound of the problem with the computed bound of friction; infinite if s is not in equilibrium with the load."""
+    disc, order = solution.disc, solution.disc.order
+    plus = minus = jumps = rest = size = 0.0
+    for batch in stress.Batches(lambda group: group.With(lambda shape: Split(group.et, order, shape))):
+        C = batch.group.Stiffness()
+        a = Symmetrised(batch, order) - batch.computed
+        b = Stress(C, potential.Gradient(batch.group)) - batch.computed
+        plus, minus, jumps = (total + batch.Integral(Complementary(C, value)).sum()
+                              for total, value in ((plus, a + b), (minus, a - b), (jumps, b)))
+        force = batch.BodyForce(disc.problem)
+        rest += batch.Integral(np.square(force + batch.divergence).sum(axis=2)).sum()
+        size += batch.Integral(np.square(force).sum(axis=2)).sum()
+    if rest > (SHARP ** 2 * size if size else np.inf):
+        return np.inf
+    parts = LawPart(solution, potential, stress)
+    law = sum(gaps.weights @ gaps.gap for gaps in parts)
+    cut = np.sqrt(sum(gaps.weights @ gaps.cut for gaps in parts))
+    middle = np.sqrt(plus) + cut
+    return float((middle + np.sqrt(middle ** 2 + 4 * (law + cut * np.sqrt(jumps) - (plus - minus) / 4))) / 2)

@@ -1,0 +1,127 @@
+"""The symmetric equilibrated stress, and the bound of the error that follows from it."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from ngsolve import CF, Grad, GridFunction, x
+from problems import ORTHOTROPIC, Loaded, Solved
+
+from ngdgc import (LDG, BassiEtAl, ContactProblem, CoulombFriction, Discretization, EstimateError, Foundation, HookeMaterial,
+                   InteriorPenalty, NormalCompliance, SlipWeakeningFriction, Solve, TrescaFriction)
+from ngdgc.errors import EnergyError
+from ngdgc.estimates import bound
+from ngdgc.estimates.equilibrated import EquilibratedStress
+from ngdgc.estimates.residual import ResidualEstimate
+from ngdgc.estimates.symmetric import Split, Symmetrised
+from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.studies.samples import BodyMesh
+
+
+@pytest.mark.parametrize("dim, order", [(2, 1), (2, 2), (2, 3), (3, 1), pytest.param(3, 2, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("form", ["edge", "lifting"])
+def test_symmetrised_stress_is_symmetric_and_tests_as_before(dim, order, form):
+    """tau = 0 against all gradients of V_h(K), which is div tau = 0 and tau n = 0 seen by V_h."""
+    mesh = RectangleMesh(2) if dim == 2 else BoxMesh(1)
+    solution = Solved(Loaded(mesh), LDG(form=form), mesh, order)
+    v = GridFunction(solution.disc.space)
+    v.vec.FV().NumPy()[:] = np.random.default_rng(5).standard_normal(v.space.ndof)
+    for batch in EquilibratedStress(solution).Batches(lambda group: group.With(lambda shape: Split(group.et, order, shape))):
+        found = Symmetrised(batch, order)
+        skew, size = np.abs(found - np.swapaxes(found, 2, 3)).max(), np.abs(found).max()
+        assert skew < 1e-12 * size
+        assert np.abs(batch.equilibrated - np.swapaxes(batch.equilibrated, 2, 3)).max() > 1e-3 * size       # control
+        gradient = np.asarray(Grad(v)(batch.points.ravel())).reshape(found.shape)
+        tested = batch.Integral(np.einsum("nqij,nqij->nq", found - batch.equilibrated, gradient))
+        scale = batch.Integral(np.sqrt(np.square(found).sum(axis=(2, 3)) * np.square(gradient).sum(axis=(2, 3))))
+        assert np.abs(tested).max() < 1e-12 * scale.max()
+
+
+def Wavy(stiffness, friction, gap=0.0):
+    foundation = Foundation("bottom", NormalCompliance(stiffness), friction=friction, gap=gap + 0.01 * (1 - 4 * x * (1 - x)))
+    return ContactProblem(HookeMaterial(E=1, nu=0.2), foundation, dirichlet={"top": CF((0.003, -0.008))})
+
+
+@cache
+def Fine(stiffness, friction, gap=0.0):
+    return Solve(Discretization(Wavy(stiffness, friction, gap), LDG(), RectangleMesh(15), order=2))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("friction, stiffness, method, order", [
+    (None, 1e-2, LDG(), 1), (None, 1e6, BassiEtAl(form="lifting"), 2), (TrescaFriction(1e-5), 1, InteriorPenalty(), 2),
+    (TrescaFriction(1e-3), 1e6, LDG(), 1), (CoulombFriction(0.2), 1e-2, InteriorPenalty(), 1),
+    (CoulombFriction(0.2), 1e6, LDG(), 2)], ids=repr)
+def test_bound_is_one_and_near_the_error(friction, stiffness, method, order):
+    solution = Solve(Discretization(Wavy(stiffness, friction), method, RectangleMesh(5), order=order))
+    estimate, true = EstimateError(solution), EnergyError(Fine(stiffness, friction), solution.gfu)
+    # On a soft foundation the law's gap is that of its energy, of which the body has little.
+    assert 1 <= estimate.bound / true < 10 and estimate.value < estimate.bound
+    assert ("strict" in estimate.reason) == (not isinstance(friction, CoulombFriction))
+    # Control: it bounds no error against another problem.
+    assert EnergyError(Fine(stiffness, friction, -0.05), solution.gfu) > estimate.bound
+
+
+def test_stiff_laws_need_a_lowered_displacement(monkeypatch):
+    solution = Solve(Discretization(Wavy(1e8, None), LDG(), RectangleMesh(5), order=2))
+    estimate = EstimateError(solution)
+    assert estimate.bound < 4 * estimate.value
+    monkeypatch.setattr(bound, "Pushed", lambda solution, potential, stress: None)
+    assert EstimateError(solution).bound > 10 * estimate.value      # control
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("nu", [0.3, 0.499])
+def test_bound_of_solids_and_of_nearly_incompressible_ones(nu):
+    foundation = Foundation("bottom", NormalCompliance(1))
+    problem = ContactProblem(HookeMaterial(E=1, nu=nu), foundation, dirichlet={"top": CF((0.02, 0, -0.05))})
+    solution, fine = (Solve(Discretization(problem, InteriorPenalty(), BoxMesh(n), order=n)) for n in (1, 2))
+    assert 1 < EstimateError(solution).bound / EnergyError(fine, solution.gfu) < 10
+
+
+def test_factor_of_the_feedback_grows_to_none():
+    """q = mu kappa is linear in mu; a soft foundation answers less."""
+    words = [EstimateError(Solve(Discretization(Wavy(stiffness, CoulombFriction(mu)), LDG(), RectangleMesh(4)))).reason
+             for stiffness, mu in ((1, 0.1), (1, 0.2), (0.01, 0.2), (1, 0.9))]
+    q = [float(one.split("q = ")[1].split(",")[0]) for one in words]
+    assert q[1] == pytest.approx(2 * q[0], abs=0.03) and q[2] < 0.3 * q[1] and q[3] > 0.5 and "too much" in words[3]
+
+
+def test_bound_of_a_body_that_only_its_foundation_holds(monkeypatch):
+    """What is added to A is taken away again: of a body that is held, nearly the kappa without it."""
+    disc = Solve(Discretization(Wavy(10, CoulombFriction(0.2)), LDG(), RectangleMesh(4))).disc
+    slope = np.full(len(disc.contact.weights), 10.0)
+    plain = bound._Kappa(disc, slope)
+    monkeypatch.setattr(type(disc), "unresisted", property(lambda self: "translation along y"))
+    # The tangential compliance stays the stiffer one, which says less of the work and is right, too.
+    assert 0.9 * plain < bound._Kappa(disc, slope) < plain
+    Respond, added = bound._Response(disc, 10.0)
+    monkeypatch.setattr(bound, "_Response", lambda disc, slope: (Respond, 0.0))
+    assert bound._Kappa(disc, slope) > 1.02 * plain     # control: left there
+    foundation = Foundation("bottom", NormalCompliance(10), friction=CoulombFriction(0.2))
+    monkeypatch.undo()
+    free = ContactProblem(HookeMaterial(E=1, nu=0.2), foundation, roller={"right": 0}, traction={"top": CF((0, -0.1))})
+    assert 0 < bound._Feedback(Solve(Discretization(free, LDG(), RectangleMesh(4))))[0] < 0.5
+
+
+@pytest.mark.parametrize("changes, words", [
+    ({"cells": "quad"}, "other cells than triangles"),
+    ({"curved": True}, "curved"),
+    ({"material": HookeMaterial(E=1 + x, nu=0.2)}, "varies"),
+    ({"friction": SlipWeakeningFriction(0.3, 0.1, 1e-3)}, "weakens"),
+    ({"bodyforce": CF((0, 0.1 * x ** 4))}, "no polynomial")])
+def test_no_bound_has_its_reason(changes, words):
+    mesh = BodyMesh(3, "cad", 2) if changes.pop("curved", False) else RectangleMesh(3, cells=changes.pop("cells", "triangle"))
+    material = changes.pop("material", HookeMaterial(E=1, nu=0.2))
+    foundation = Foundation("bottom", NormalCompliance(1), friction=changes.pop("friction", None))
+    problem = ContactProblem(material, foundation, dirichlet={"top": CF((0.02, -0.05))}, **changes)
+    estimate = EstimateError(Solve(Discretization(problem, InteriorPenalty(), mesh, order=1)))
+    assert estimate.bound is None and words in estimate.reason and "no bound" in str(estimate)
+
+
+def test_anisotropic_bodies_have_a_bound():
+    foundation = Foundation("bottom", NormalCompliance(100))
+    problem = ContactProblem(ORTHOTROPIC, foundation, dirichlet={"top": CF((0.02, -0.05))})
+    solution, fine = (Solve(Discretization(problem, LDG(), RectangleMesh(n), order=order)) for n, order in ((3, 1), (12, 2)))
+    assert 1 < EstimateError(solution).bound / EnergyError(fine, solution.gfu) < 5
+    assert ResidualEstimate(solution).bound is None and "shape" in ResidualEstimate(solution).reason

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from typing import Any, Self, cast
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from ngsolve import ET, VOL, IntegrationRule, Mesh, specialcf
@@ -14,6 +14,8 @@ from ..problem.materials import AnisotropicMaterial, HookeMaterial, StiffnessAt
 from ..tools.parallel import Cached
 from .reference import Reference, ReferenceElement, Shapes
 
+if TYPE_CHECKING:       # of Python 3.11
+    from typing import Self
 
 BATCH = 1 << 19     # matrix entries worked on at once: large enough for numpy, small enough for the cache and the memory
 
@@ -60,7 +62,7 @@ class GroupGeometry:
 
     def With(self, make: Callable[[ReferenceElement], Any]) -> Self:
         """The same elements with other shapes, make(ReferenceElement), which see them at other points; `uniform` ones."""
-        other = self.Part(slice(None))
+        other = self.Part(np.arange(len(self.elements)))
         other._shapes = [make(shape) for shape in self._shapes]
         other.reference = other._shapes[0]
         return other

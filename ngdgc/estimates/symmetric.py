@@ -113,6 +113,7 @@ def Symmetrised(batch: StressBatch, order: int) -> Array:
     permutation = _Permutations(group.dim)
     skew = np.einsum("cij,nqij->nqc", permutation, batch.equilibrated)
     gradients = np.empty((*skew.shape, group.dim, group.dim))       # n q c m t
+    shape: Any
     for rows, shape in group.rows:
         coefficients = np.einsum("q,qN,nqc->nNc", shape.weights, shape.p, skew[rows], optimize=True)
         gradients[rows] = np.einsum("qmtN,nNc->nqcmt", shape.inverse, coefficients, optimize=True)

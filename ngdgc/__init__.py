@@ -3,6 +3,7 @@
 from ngsolve import Solve
 
 from .discretization import Discretization
+from .estimates.adaptive import SolveAdaptive
 from .estimates.error import EstimateError
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .methods.conforming import Conforming
@@ -29,4 +30,5 @@ __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "Check
            "EstimateError", "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG",
            "Lifting", "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance",
            "NotConvergedError", "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver",
-           "SlipWeakeningFriction", "Solve", "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]
+           "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveInterrupted", "TrescaFriction", "UzawaSolver",
+           "WeaklyOverPenalised"]

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any, NoReturn, cast
 
 from . import __version__
+from .commands.adaptive import Adaptive
 from .commands.arguments import Commands, Finite, NumberOrAuto, Positive
 from .commands.attack import AddAttack
 from .commands.bench import AddBench
@@ -143,6 +144,8 @@ def _AddRun(commands: Commands) -> None:
                      "paper's iteration); default auto")
     run.add_argument("--rho", type=NumberOrAuto, help="step of Uzawa's friction update: auto (default) or a number")
     run.add_argument("--tol", type=Finite, default=1e-10, help="relative tolerance of the iteration (default 1e-10)")
+    run.add_argument("--error", type=Finite, help="refine the mesh until its estimated error is at most this part of the "
+                     "solution, in the energy norm: for example --n 4 --error 0.01")
     run.add_argument("--maxiter", type=Positive, help="limit of iterations (default 10000 for uzawa, 100 for newton)")
     run.add_argument("--scale", type=Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
@@ -252,7 +255,11 @@ def _Solver(options: Namespace) -> Solver:
     for name in given:
         if name not in names:
             raise ProblemError(f"--{name} does not apply to solver {chosen!r}; leave it out")
-    return solver(tol=options.tol, **given)
+    if options.error is None:
+        return solver(tol=options.tol, **given)
+    if chosen != "auto":
+        raise ProblemError(f"--error does not apply to solver {chosen!r}, which solves on one mesh; leave one of them out")
+    return Adaptive(error=options.error, tol=options.tol)
 
 
 if __name__ == "__main__":

@@ -12,7 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any, cast
 
-from ..solution.history import Prediction, Step
+from ..solution.history import Level, Prediction, Step
 from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from .files import Files
@@ -60,6 +60,12 @@ class Progress:
         """The same on a coarser mesh of a nested iteration."""
         self(step)
 
+    def Reached(self, level: Level) -> None:
+        """What came of a mesh of `SolveAdaptive`, on a line of its own."""
+        self.Close()
+        self._Write(f"{level.dofs:9d} unknowns: estimated error {level.error:.3g}", False)
+        self.step = self.shown = None
+
     def Close(self) -> None:
         """Show the last iteration if it has not been shown."""
         if self.step is not self.shown:
@@ -78,6 +84,9 @@ class Progress:
         line = (f"{coarse}iteration {step.number:5d}   change {step.change:9.2e}   distance to the law {step.residual:9.2e}   "
                 f"{step.seconds:7.2f} s")
         self.shown, self.time = step, time.perf_counter()
+        self._Write(line, follows)
+
+    def _Write(self, line: str, follows: bool) -> None:
         if self.display is not None:
             self.display(line, follows)
             return

@@ -52,7 +52,7 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     """
     CheckSolution(solution)
     disc = solution.disc
-    if disc.added.matrix is not None or disc.added.load is not None:
+    if disc.added:
         raise ProblemError("the solution has added forms, whose forces are no tractions on facets that could be compared; "
                            "estimate errors without them: write springs and loads as foundation, traction and bodyforce")
     with solution.state.Restored(), Threads(disc.mesh):

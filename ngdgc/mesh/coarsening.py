@@ -28,7 +28,7 @@ def CoarserMesh(mesh: Mesh, factor: float = 2.0) -> Mesh | None:
     Meshes that come from a Netgen geometry are generated anew; without one, boxes along the axes and, in 2D, polygons of one
     material are recognised by their boundary.
     """
-    geometry = _Geometry(mesh)
+    geometry = Geometry(mesh)
     if geometry is not None:
         coarse = Mesh(geometry.GenerateMesh(maxh=factor * MeshSize(mesh)))
     else:
@@ -43,8 +43,8 @@ def CoarserMesh(mesh: Mesh, factor: float = 2.0) -> Mesh | None:
     return coarse
 
 
-def _Geometry(mesh: Mesh) -> Any:
-    """The geometry that a mesh was generated from, or None."""
+def Geometry(mesh: Mesh) -> Any:
+    """The geometry that a mesh was generated from, or None if it has none, or one that is gone."""
     geometry = mesh.ngmesh.GetGeometry()
     if geometry is None or type(geometry) is NetgenGeometry:
         return None

@@ -53,10 +53,11 @@ def ObservedRate(history: Sequence[Step]) -> float | None:
 
 @dataclass(frozen=True)
 class Level:
-    """What one mesh of a nested iteration took: its size, iterations, applications of an inverse, and seconds.
+    """What one mesh of a nested or adaptive iteration took: its size, iterations, applications of an inverse, and seconds.
 
     cycles : steps of conjugate gradients, where they take the place of a factorisation
     factorisation : seconds of it that factorised;  seconds : in all, with the matrix where that was not there before
+    error : estimated there, relative to the solution or to what the goal is relative to, no unit; None: not estimated
     If it has not converged the next mesh started from rest.
     """
 
@@ -69,3 +70,4 @@ class Level:
     factorisation: float
     seconds: float
     converged: bool = True
+    error: float | None = None

@@ -24,7 +24,8 @@ SCHEMA = {
     "law_residual": "largest distance to the contact law [1], or null", "solves": "linear solves, or null",
     "seconds": "of the iteration [s], or null",
     "contraction": "factors per iteration, predicted and observed [1], each or null",
-    "levels": "of nested meshes: elements, dofs, points, iterations, solves, factorisation [s], seconds [s], converged of each",
+    "levels": "of nested or adaptive meshes: elements, dofs, points, iterations, solves, factorisation [s], seconds [s], "
+              "converged, and estimated relative error [1] or null, of each",
     "elastic_energy": "[stress length^d]", "normal_force": "int p_n [stress length^(d-1)]",
     "zones": "length or area of separation, stick and slip [length^(d-1)]",
     "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
@@ -124,10 +125,14 @@ def _Rates(rates: dict[str, Any]) -> list[str]:
 
 
 def _Levels(levels: list[dict[str, Any]]) -> list[str]:
-    return [f"  mesh {number}: {level['dofs']} unknowns, {level['points']} contact points, {level['iterations']} iterations, "
-            f"{level['solves']} linear solves, {level['seconds']:.2f} s ({level['factorisation']:.2f} s factorising)"
-            f"{'' if level['converged'] else ', not converged'}"
-            for number, level in enumerate(levels, start=1)]
+    lines = []
+    for number, level in enumerate(levels, start=1):
+        state = "" if level["converged"] else ", not converged"
+        error = "" if level["error"] is None else f", estimated error {level['error']:.2g}"
+        lines.append(f"  mesh {number}: {level['dofs']} unknowns, {level['points']} contact points, {level['iterations']} "
+                     f"iterations, {level['solves']} linear solves, {level['seconds']:.2f} s ({level['factorisation']:.2f} s "
+                     f"factorising){state}{error}")
+    return lines
 
 
 def _Contact(numbers: dict[str, Any]) -> list[str]:

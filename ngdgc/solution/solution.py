@@ -36,7 +36,8 @@ class ContactSolution:
         the traction on the body is -t
     history : list of Step;  converged : bool;  solver : its text
     case : name of the case that `ngdgc run` solved, None elsewhere
-    levels : list of Level, one for each mesh of a nested iteration, the last one the solution's own; empty for other solvers
+    levels : list of Level, one for each mesh of a nested or adaptive iteration, the last one the solution's own; else empty
+    estimate : of the error, by SolveAdaptive, else None;  earlier : its ContactSolutions on the meshes before, else empty
 
     Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
     (n,) come with them.
@@ -49,6 +50,8 @@ class ContactSolution:
         self.history, self.converged, self.solver, self.Predict = list(history), converged, solver, Predict
         self.levels, self._inverse = list(levels), inverse
         self.case: str | None = None
+        self.estimate: Any = None
+        self.earlier: list[ContactSolution] = []
 
     @property
     def state(self) -> State:

@@ -68,9 +68,9 @@ class NestedNewtonSolver:
         CheckCallback(callback)
         with Current(disc) as disc:
             levels, start = self._Predict(solver, disc, callback)
-            found, seconds = self._Finest(solver, disc, start, callback)
+            found, seconds = FromPrediction(solver, disc, start, callback)
             return ContactSolution(disc, found.vector, found.traction, history=found.history, solver=repr(self),
-                                   levels=[*levels, _Level(disc, found.history, seconds, True)])
+                                   levels=[*levels, LevelOf(disc, found.history, seconds, True)])
 
     def _Predict(self, solver: SemismoothNewtonSolver, disc: DiscreteProblem,
                  callback: Callable[[Step], object] | None) -> tuple[list[Level], tuple[Array, Array] | None]:
@@ -90,7 +90,7 @@ class NestedNewtonSolver:
                 start, history = None, getattr(error, "history", ())
             except SolveInterrupted as stop:
                 raise KeyboardInterrupt from stop       # what a coarser mesh has says nothing of the last one
-            levels.append(_Level(coarse, history, time.perf_counter() - begin, start is not None))
+            levels.append(LevelOf(coarse, history, time.perf_counter() - begin, start is not None))
             coarse = solution = None    # with the factors: the next ones need the memory
         return levels, start
 
@@ -100,27 +100,29 @@ class NestedNewtonSolver:
         except ProblemError as error:
             raise error if self.coarser is None else ProblemError(f"coarser: {error}") from error
 
-    def _Finest(self, solver: SemismoothNewtonSolver, disc: DiscreteProblem, prediction: tuple[Array, Array] | None,
-                callback: Callable[[Step], object] | None) -> tuple[ContactSolution, float]:
-        """(solution, seconds) from the prediction, else from rest, else from other starts."""
-        begin = time.perf_counter()
-        failure: NotConvergedError | None = None
-        for start in chain([prediction, None] if prediction else [None], Starts(disc)):
-            if failure is not None and time.perf_counter() - begin > SECONDS:
-                break
-            try:
-                return solver.Solve(disc, start=start, callback=callback), time.perf_counter() - begin
-            except NotConvergedError as error:
-                # The one from rest tells most: others start where nobody would.
-                failure = error if failure is None or start is None else failure
-        raise cast(NotConvergedError, failure)      # there is a start at least
+
+def FromPrediction(solver: SemismoothNewtonSolver, disc: DiscreteProblem, prediction: tuple[Array, Array] | None,
+                   callback: Callable[[Step], object] | None) -> tuple[ContactSolution, float]:
+    """(solution, seconds) from the prediction, else from rest, else from other starts."""
+    begin = time.perf_counter()
+    failure: NotConvergedError | None = None
+    for start in chain([prediction, None] if prediction else [None], Starts(disc)):
+        if failure is not None and time.perf_counter() - begin > SECONDS:
+            break
+        try:
+            return solver.Solve(disc, start=start, callback=callback), time.perf_counter() - begin
+        except NotConvergedError as error:
+            # The one from rest tells most: others start where nobody would.
+            failure = error if failure is None or start is None else failure
+    raise cast(NotConvergedError, failure)      # there is a start at least
 
 
 def _Show(Tell: Callable[[Prediction], object], unknowns: int, step: Step) -> None:
     Tell(Prediction(**vars(step), unknowns=unknowns))
 
 
-def _Level(disc: DiscreteProblem, history: Sequence[Step], seconds: float, converged: bool) -> Level:
+def LevelOf(disc: DiscreteProblem, history: Sequence[Step], seconds: float, converged: bool) -> Level:
+    """The Level of a Discretization."""
     return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(history), disc.solves, disc.cycles,
                  disc.factorisation, seconds, converged)
 

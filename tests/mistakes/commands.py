@@ -67,6 +67,7 @@ COMMANDS = [
     (Typed(f"{RUN} --method h1 --form lifting"), "--form | does not apply to method 'h1' | leave it out"),
     (Typed(f"{RUN} --solver best"), "no solver 'best' | one of auto, newton, uzawa | choose"),
     (Typed(f"{RUN} --rho 1"), "--rho | does not apply to solver 'auto' | leave it out"),
+    (Typed(f"{RUN} --error 0.1 --solver newton"), "--error | does not apply to solver 'newton' | leave one of them out"),
     (Typed("run greco_plate --n 2 --plane strain --out OUT"), "--plane | does not apply to this case | leave it out"),
     (Typed("compare example_4_1 --n 2 --method ipp --out OUT"), "no method 'ipp' | some of ip, bassi | choose"),
     (Typed("convergence --method ipp"), "no method 'ipp' | all or one of ip, bassi | choose"),

@@ -1,12 +1,15 @@
 """Mistakes with estimates of errors, as in `mistakes`."""
 
-from bodies import Pyramids
+from bodies import Pyramids, Ring
 from mistakes import Disc
-from ngsolve import BilinearForm, dx
+from ngsolve import BilinearForm, GridFunction, VectorH1, dx
+from problems import Example
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, Solve)
+                   NormalCompliance, Solve, SolveAdaptive)
 from ngdgc.estimates.residual import ResidualEstimate
+from ngdgc.exact import AffinePatch
+from ngdgc.meshes import BoxMesh, RectangleMesh
 
 
 class Symbolic(InteriorPenalty):
@@ -39,6 +42,40 @@ def _Pyramids():
     return Solve(Discretization(problem, LDG(), mesh))
 
 
+def Adapted(mesh=None, *, problem=None, tol=0.3, **options):
+    return SolveAdaptive(problem or Example(), LDG(), mesh or RectangleMesh(2), tol=tol, **options)
+
+
+class Ended:
+    """A callback that stops a run after its first mesh, or on its second."""
+
+    def __init__(self, last):
+        self.last, self.meshes = last, 0
+
+    def __call__(self, step):
+        pass
+
+    def Reached(self, level):
+        self.meshes += 1
+        if self.meshes == self.last:
+            raise KeyboardInterrupt
+
+
+def Deformed():
+    mesh = RectangleMesh(2)
+    mesh.SetDeformation(GridFunction(VectorH1(mesh)))
+    return mesh
+
+
+def SecondOrder():
+    mesh = RectangleMesh(2)
+    mesh.ngmesh.SecondOrder()
+    return type(mesh)(mesh.ngmesh)
+
+
+RING = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("inner", NormalCompliance(1)), dirichlet={"outer": (0, 0.1)})
+
+
 ESTIMATES = [
     (lambda _: EstimateError(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: EstimateError(_Unconverged()), "the solution has not converged | in equilibrium | give one that has"),
@@ -48,4 +85,19 @@ ESTIMATES = [
     (lambda _: EstimateError(_Pyramids()), "the mesh has pyramids | no equilibrated stress | take another mesh"),
     (lambda _: EstimateError(Sprung()), "forms were added | the numerical flux | without them"),
     (lambda _: ResidualEstimate(Disc()), "solution is Discretization(IP | a ContactSolution, which Solve(disc) returns | give"),
-    (lambda _: ResidualEstimate(Sprung()), "the solution has added forms | could be compared | estimate errors without them")]
+    (lambda _: ResidualEstimate(Sprung()), "the solution has added forms | could be compared | estimate errors without them"),
+    # Adaptive runs.
+    (lambda _: Adapted(tol=2), "tol is 2 | the relative error that is wanted | a number between 0 and 1"),
+    (lambda _: Adapted(most=0), "most is 0 | the largest number of unknowns | give"),
+    (lambda _: Adapted(goal="forces"), "goal is 'forces' | 'energy' | give that"),
+    (lambda _: Adapted(callback=3), "callback is 3 | a function of a Step | give"),
+    (lambda _: Adapted(BoxMesh(1, cells="prism"), problem=AffinePatch("slip", dim=3).problem),
+     "the mesh has prisms | Netgen does not bisect in all directions | take tetrahedra"),
+    (lambda _: Adapted(Deformed()), "the mesh has a deformation | a refined mesh has not | make a mesh of the deformed body"),
+    (lambda _: Adapted(SecondOrder()), "the mesh has elements of second order | not refined | take one of first order"),
+    (lambda _: Adapted(Ring(2, 0.5), problem=RING), "the SplineGeometry of the mesh is gone | would be curved | keep it"),
+    (lambda _: Adapted(tol=0.01, most=100), "tol=0.01 was not reached | more than most=100 | give a larger most"),
+    (lambda _: Adapted(RectangleMesh(1), problem=AffinePatch("slip").problem, tol=1e-15),
+     "tol=1e-15 was not reached | round-off | give a larger tol"),
+    (lambda _: Adapted(tol=0.01, callback=Ended(1)), "interrupted | after | the last iterate is its attribute solution"),
+    (lambda _: Adapted(tol=0.01, callback=Ended(2)), "interrupted | after | the last iterate is its attribute solution")]

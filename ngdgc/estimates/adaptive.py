@@ -1,0 +1,170 @@
+"""Solving, estimating, marking and refining, until the error is as small as wanted."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ngsolve import Mesh
+
+from ..contracts import Method
+from ..discretization import Discretization
+from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from ..problem.problem import ContactProblem
+from ..solution.history import Level, Step
+from ..solution.solution import ContactSolution
+from ..solvers.driver import CheckCallback
+from ..solvers.nested import FromPrediction, LevelOf, NestedNewtonSolver, Transfer
+from ..solvers.newton.solver import SemismoothNewtonSolver
+from ..tools.calls import ByKeyword
+from ..tools.values import Integer, PositiveNumber
+from .goals import Goal, Measured
+from .marking import Marked
+from .refine import CheckRefinable, Refined
+
+MOST = 2_000_000    # unknowns
+FULL = 1e-10        # law residual of what is returned
+LOOSE = 1e-4        # largest law residual on the way
+BALANCE = 1e-2      # law residual on the way, in units of the relative error that is expected there
+SURE = 1.5          # a mesh on which an error of so many times tol is expected will not be the last
+REDUCTION = 0.5     # of the error by a refinement, before there is experience
+WINDOW = 4          # refinements that must reduce the error
+STALLED = 0.9       # by this factor at least
+
+
+@ByKeyword
+def SolveAdaptive(problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, tol: float, goal: Any = "energy",
+                  most: int = MOST, callback: Callable[[Step], object] | None = None) -> ContactSolution:
+    """Solve, estimate the error, refine where it is large, until its estimate is at most tol; the ContactSolution at the end.
+
+    mesh : to begin with, a coarse one; it stays what it is.  Its copies are bisected by Netgen: triangles, tetrahedra, and
+        quadrilaterals in whole rows; curved boundaries are curved again
+    tol : relative, for "energy" |u - u_h|/|u_h| in the energy norm as `EstimateError` estimates it, of Conforming and methods
+        of your own as `ResidualEstimate` does, which is larger
+    most : unknowns
+    callback : gets every Step; if it has a method Reached, as `output.Progress` has, that gets the Level of every mesh
+
+    `solution.estimate` is the last estimate, `solution.levels` lists what every mesh took and its error, `solution.earlier` the
+    solutions on the meshes before.  Each mesh starts from the one before (`nested.Transfer`); on the way the law is solved to a
+    hundredth of the error that is expected, at the end to 1e-10.
+
+    Raises ProblemError for what cannot be refined; NotConvergedError if tol is not reached with `most` unknowns, with the
+    memory that is free, or at all for round-off; SolveInterrupted on Ctrl-C.  Their `solution` is that on the last mesh that
+    was finished, if there is one.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.cases import example_4_2
+    >>> solution = SolveAdaptive(example_4_2.Problem(), InteriorPenalty(), example_4_2.Mesh(4), order=2, tol=0.1)
+    >>> solution.estimate.relative < 0.1, solution.levels[-1].dofs < 1000
+    (True, True)
+    """
+    return Adapt(Discretization(problem, method, mesh, order=order), tol=tol, goal=goal, most=most, callback=callback)
+
+
+def Adapt(disc: Discretization, *, tol: float, goal: Any, most: int, callback: Any, law: float = FULL) -> ContactSolution:
+    """`SolveAdaptive` from a Discretization on; law : residual of the law of contact at the end."""
+    tol = PositiveNumber(tol, "tol", "give the relative error that is wanted, a number between 0 and 1", below=1)
+    most = Integer(most, "most", "give the largest number of unknowns, a positive integer")
+    CheckCallback(callback)
+    words = f"SolveAdaptive(order={disc.order}, tol={tol:g}, goal={goal!r})"
+    run = _Run(tol=tol, law=law, Measure=Goal(goal), most=most, callback=callback, words=words)
+    CheckRefinable(disc.mesh)
+    reached = run.First(disc)
+    while reached.measured.error > tol:
+        reached = run.Next(reached)
+    return reached.solution
+
+
+@dataclass(frozen=True, eq=False)
+class _Reached:
+    """A solution on one of the meshes, and how far it is from the goal."""
+
+    solution: ContactSolution
+    measured: Measured
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class _Run:
+    """One run, from mesh to mesh."""
+
+    tol: float
+    law: float
+    Measure: Callable[[ContactSolution], Measured]
+    most: int
+    callback: Any
+    words: str
+
+    def First(self, disc: Discretization) -> _Reached:
+        """On the mesh to begin with."""
+        begin = time.perf_counter()
+        found = NestedNewtonSolver(tol=self.law).Solve(disc, callback=self.callback)
+        try:
+            return self._Reached(found, None, begin)
+        except KeyboardInterrupt as stop:
+            raise SolveInterrupted(found) from stop
+
+    def Next(self, before: _Reached) -> _Reached:
+        """On the next mesh; NotConvergedError or SolveInterrupted with the solution before if that is not to be."""
+        solution = before.solution
+        try:
+            self._CheckProgress(solution.levels)
+            begin, disc = time.perf_counter(), self._Finer(before)
+            tol = self._LawTolerance(solution.levels)
+            _Forget(solution.disc)
+            start = Transfer(solution, disc.contact)
+            found, _ = FromPrediction(SemismoothNewtonSolver(tol=tol), disc, start, self.callback)
+            reached = self._Reached(found, solution, begin)
+            if reached.measured.error <= self.tol and tol > self.law:      # sooner than expected
+                found = SemismoothNewtonSolver(tol=self.law).Solve(disc, start=(found.displacement, found.traction),
+                                                               callback=self.callback)
+                reached = self._Reached(found, solution, begin)
+            return reached
+        except KeyboardInterrupt as stop:
+            raise SolveInterrupted(solution) from stop
+        except (ProblemError, NotConvergedError) as error:
+            level = solution.levels[-1]
+            raise NotConvergedError(f"tol={self.tol:g} was not reached, the estimated error is {level.error:.3g} with "
+                                    f"{level.dofs} unknowns: {error}", solution) from error
+
+    def _Finer(self, before: _Reached) -> Discretization:
+        """The problem on the next mesh."""
+        solution, old = before.solution, before.solution.disc
+        mesh = Refined(old.mesh, Marked(solution, before.measured.indicators, self.tol / before.measured.error))
+        disc = Discretization(old.problem, old.method, mesh, order=old.order, assembly=old.assembly, inverse=old.wanted)
+        if disc.space.ndof > self.most:
+            raise ProblemError(f"the next mesh has {disc.space.ndof}, more than most={self.most}; give a larger most, a higher "
+                               "order or a larger tol")
+        return disc
+
+    def _Reached(self, found: ContactSolution, before: ContactSolution | None, begin: float) -> _Reached:
+        """What was found on a mesh with its estimate, and with what the meshes before took."""
+        measured = self.Measure(found)
+        level = replace(LevelOf(found.disc, found.history, time.perf_counter() - begin, True), error=measured.error)
+        solution = ContactSolution(found.disc, found.vector, found.traction, history=found.history, solver=self.words,
+                                   levels=[*(before.levels if before else []), level])
+        solution.estimate = measured.estimate
+        solution.earlier = [*before.earlier, before] if before else []
+        tell = getattr(self.callback, "Reached", None)
+        if tell:
+            tell(level)
+        return _Reached(solution, measured)
+
+    def _LawTolerance(self, levels: list[Level]) -> float:
+        """Of the law residual on the next mesh: no digit that the mesh does not carry, but all if it may be the last one."""
+        errors = [level.error or 0.0 for level in levels]
+        expected = errors[-1] * (errors[-1] / errors[-2] if len(errors) > 1 else REDUCTION)
+        return max(min(BALANCE * expected, LOOSE), self.law) if expected > SURE * self.tol else self.law
+
+    def _CheckProgress(self, levels: list[Level]) -> None:
+        errors = [level.error or 0.0 for level in levels]
+        if len(errors) > WINDOW and errors[-1] > STALLED * errors[-1 - WINDOW]:
+            raise ProblemError(f"{WINDOW} refinements have made it {errors[-1]:.3g} from {errors[-1 - WINDOW]:.3g}, for it is "
+                               "round-off, or comes from data that no mesh resolves; give a larger tol")
+
+
+def _Forget(disc: Any) -> None:
+    """Drop matrix and factors of a mesh that is done with; who asks for them has them computed again."""
+    for name in ("matrix", "inverse"):
+        disc.elastic.pop(name, None)

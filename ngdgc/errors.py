@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -75,7 +76,7 @@ def _Norm(square: Any, solution: ContactSolution) -> float:
 
 
 @ByKeyword
-def Rates(errors: Any, ratio: float = 2) -> Array:
+def Rates(errors: Sequence[float] | Array, ratio: float | Sequence[float] | Array = 2) -> Array:
     """Observed orders log(e_i/e_(i+1))/log(ratio) of errors on meshes refined by `ratio`, a number or one per refinement.
 
     >>> [float(rate) for rate in Rates([4.0, 1.0])]

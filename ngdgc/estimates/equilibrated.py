@@ -28,6 +28,7 @@ from ngsolve import GridFunction, specialcf
 
 from ..blocks.integrals import ElementGroup, SymmetricBasis
 from ..blocks.operators import FacetOperators
+from ..blocks.reference import ReferenceElement
 from ..contracts import Array
 from ..data.coefficients import VectorsAt
 from ..methods.lifting import WeakFacets
@@ -173,7 +174,7 @@ class EquilibratedStress:
         values = part.AtPoints(lambda shape: shape.p[:, None], lifted)[..., 0]        # n q c
         return Stress(part.Stiffness(), np.einsum("nqc,cij->nqij", values, part.basis))
 
-    def _OnFacet(self, part, s, shape, rows, signs):
+    def _OnFacet(self, part: ElementGroup, s: int, shape: ReferenceElement, rows: np.ndarray, signs: Array) -> Array:
         """Moments of the traction on side s, (n, i, b)."""
         facets = part.facets[rows, s]
         coefficients = self._flux[self.operators.FacetDofs(facets)].reshape(len(rows), part.dim, -1)
@@ -181,7 +182,8 @@ class EquilibratedStress:
         mass = np.einsum("nq,qb,qc->nbc", measure[rows] * facet.weights, facet.mu, facet.mu, optimize=True)
         return signs[rows, s, None, None] * (coefficients @ mass)
 
-    def _Consistency(self, part, s, shape, rows, signs, inner):
+    def _Consistency(self, part: ElementGroup, s: int, shape: ReferenceElement, rows: np.ndarray, signs: Array,
+                     inner: Array) -> Array:
         """share int_e [u].(C q n), (n, i, I)."""
         facets, facet = part.facets[rows, s], shape.facets[s]
         jump = self._jump[self.operators.FacetDofs(facets)].reshape(len(rows), part.dim, -1)
@@ -214,14 +216,14 @@ def Complementary(C: Array, stress: Array) -> Array:
                      else (inverse @ components[..., None])[..., 0], components)
 
 
-def _Sum(values, weights, functions):
+def _Sum(values: Array, weights: Array, functions: Array) -> Array:
     """sum_q w_q values[n, q, i, m] functions[q, m, I] -> (n, i, I)."""
     n, q, i, m = values.shape
     weighted = (weights[:, None, None] * functions).reshape(q * m, -1)
     return (values.transpose(0, 2, 1, 3).reshape(n * i, q * m) @ weighted).reshape(n, i, -1)
 
 
-def _Values(coefficients, functions):
+def _Values(coefficients: Array, functions: Array) -> Array:
     """sum_N coefficients[n, i, N] functions[q, m, N] -> (n, i, q, m)."""
     (n, i, N), (q, m, _) = coefficients.shape, functions.shape
     return (coefficients.reshape(n * i, N) @ functions.reshape(q * m, N).T).reshape(n, i, q, m)

@@ -104,7 +104,7 @@ class FoundationPoints:
         self._sizes = 1 + np.log2(np.maximum(np.ptp(quadrature.coordinates, axis=0).max() / size, 1))
         self._gamma, self._price = 2 * shear * disc.order ** 2 / size, size / (2 * shear)
 
-    def _Normal(self, vectors):
+    def _Normal(self, vectors: Array) -> Array:
         return np.einsum("mi,mi->m", vectors, self._normals)
 
     def Gaps(self, stress: EquilibratedStress, slips: Array) -> LawGaps:
@@ -137,7 +137,7 @@ class FoundationPoints:
         cost = np.bincount(self._facet, weights * (p + self._gamma * excess) * excess)
         return np.where((gap > cost)[self._facet], excess, 0)
 
-    def _Mean(self, values):
+    def _Mean(self, values: Array) -> Array:
         """The mean over the facet of each point."""
         weights = self.quadrature.weights
         columns = values.reshape(len(values), -1)
@@ -153,7 +153,7 @@ class _Pair:
     near : pressure and friction of the points of the graph on the lines t + gamma u;  moved (m,) : gamma/2 |v - theirs|^2
     """
 
-    def __init__(self, at, p, friction, slipping):
+    def __init__(self, at: FoundationPoints, p: Array, friction: Array, slipping: bool | np.ndarray) -> None:
         part, gamma, r, slip = at._part, at._gamma, at._r, at._slip
         deep = part.NormalPoint(gamma, p + gamma * r)[0]
         self._depth, self.p = _Depth(part, gamma, p, np.maximum(np.abs(r), np.abs(deep)))
@@ -175,7 +175,7 @@ class _Pair:
                                     + gamma / 2 * np.square(slip - left).sum(axis=1))
 
 
-def _Depth(part, gamma, p, scale):
+def _Depth(part: ContactPart, gamma: Array, p: Array, scale: Array) -> tuple[Array, Array]:
     """(r*, p_n(r*)): where the law has the pressure p, or its largest one."""
     depth = part.NormalPoint(SOFT * gamma, p)[0]
     far = FAR * np.maximum(scale, scale.max(initial=0))
@@ -186,7 +186,7 @@ def _Depth(part, gamma, p, scale):
     return depth, np.where(reached | ~np.isfinite(largest), p, np.minimum(p, largest))
 
 
-def _Young(part, depth, r, p):
+def _Young(part: ContactPart, depth: Array, r: Array, p: Array) -> Array:
     """int_(r*)^r (p_n - p), >= 0."""
     upper = np.maximum(r, 0)
     total = -p * np.minimum(r, 0)
@@ -197,6 +197,6 @@ def _Young(part, depth, r, p):
     return np.maximum(np.where(np.isfinite(total), total, np.inf), 0)
 
 
-def _Dissipation(bound, friction, slip):
+def _Dissipation(bound: Array, friction: Array, slip: Array) -> Array:
     """b |v_t| - t_t.v_t, >= 0."""
     return np.maximum(bound * np.linalg.norm(slip, axis=1) - np.einsum("mi,mi->m", friction, slip), 0)

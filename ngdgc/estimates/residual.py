@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import (CF, TET, TRIG, Grad, GridFunction, InnerProduct, Integrate, L2, LinearForm, OuterProduct, Sym,
-                     VectorValued, ds, dx, specialcf)
+from ngsolve import (CF, TET, TRIG, CoefficientFunction, Grad, GridFunction, InnerProduct, Integrate, L2, LinearForm,
+                     OuterProduct, Sym, VectorValued, ds, dx, specialcf)
 
 from ..contracts import Array
 from ..data.coefficients import OnFacets, Unfolded
@@ -106,7 +106,7 @@ class _Residuals:
         contact = self._On([foundation.boundary for foundation in problem.foundation])
         roller = facets.Function(rollers)
 
-        def Free(traction):
+        def Free(traction: CoefficientFunction) -> CoefficientFunction:
             """The part that no support takes."""
             return traction - roller * (traction * self.n) * self.n
 

@@ -4,8 +4,10 @@ A kind of answer has `Hint(answer)`, None if the answer is right, else a sentenc
 values are computed when they are asked for; so are typical wrong ones, each with its own hint.
 """
 
+from __future__ import annotations
+
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from html import escape
 from numbers import Number
@@ -13,6 +15,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 import scipy.sparse as sp
+
+from ..contracts import Array
 
 SEED = 6                            # of the data on which functions are tried
 CLOSE = 0.1                         # relative error from which on an answer is no longer a nearly right one
@@ -32,22 +36,22 @@ class Verdict:
     state: str
     words: str
 
-    COLOURS: ClassVar[dict] = {"correct": "#009E73", "not yet": "#D55E00", "not answered yet": "#777777"}
+    COLOURS: ClassVar[dict[str, str]] = {"correct": "#009E73", "not yet": "#D55E00", "not answered yet": "#777777"}
 
-    def __bool__(self):
+    def __bool__(self) -> bool:
         return self.state == "correct"
 
-    def __str__(self):
+    def __str__(self) -> str:
         return f"{self.exercise}: {self.state}. {self.words}"
 
     __repr__ = __str__
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         return (f'<div style="border-left:6px solid {self.COLOURS[self.state]}; padding:4px 12px"><b>{self.exercise}: '
                 f'{self.state}.</b> {escape(self.words)}</div>')
 
 
-def Grade(name, exercise, answer):
+def Grade(name: str, exercise: Any, answer: Any) -> Verdict:
     """The Verdict on an answer to an exercise, an object with `Hint(answer)` and `insight`; `...` is no answer yet."""
     if answer is ...:
         return Verdict(name, "not answered yet", "Put your answer in place of the three dots and run the cell again.")
@@ -64,13 +68,13 @@ class Value:
     insight : said of a correct answer
     """
 
-    Right: Callable
+    Right: Callable[..., Any]
     hint: str
     insight: str
     tol: float = 0.01
-    mistakes: Mapping[str, Callable] = field(default_factory=dict)
+    mistakes: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
 
-    def Hint(self, answer):
+    def Hint(self, answer: Any) -> str | None:
         wrong = [(hint, Mistake()) for hint, Mistake in self.mistakes.items()]
         return Compare(answer, self.Right(), wrong, self.hint, self.tol)
 
@@ -83,15 +87,15 @@ class Function:
     mistakes : {hint: wrong function};  hint, insight, tol : as for `Value`
     """
 
-    Right: Callable
-    Data: Callable
+    Right: Callable[..., Any]
+    Data: Callable[[np.random.Generator], tuple[Any, ...]]
     hint: str
     insight: str
     tol: float = 1e-8
-    mistakes: Mapping[str, Callable] = field(default_factory=dict)
+    mistakes: Mapping[str, Callable[..., Any]] = field(default_factory=dict)
     words: str = "your function"
 
-    def Hint(self, answer):
+    def Hint(self, answer: Any) -> str | None:
         if not callable(answer):
             return f"Wrong type: the answer is {_Kind(answer)}; give the function itself, without calling it."
         try:
@@ -103,7 +107,7 @@ class Function:
         wrong = [(hint, Mistake(*self._Arguments())) for hint, Mistake in self.mistakes.items()]
         return Compare(found, self.Right(*self._Arguments()), wrong, self.hint, self.tol)
 
-    def _Arguments(self):
+    def _Arguments(self) -> tuple[Any, ...]:
         """The same data every time, new arrays: a function may write into its arguments."""
         return self.Data(np.random.default_rng(SEED))
 
@@ -115,7 +119,7 @@ class Law:
     methods: Mapping[str, Function]
     insight: str
 
-    def Hint(self, answer):
+    def Hint(self, answer: Any) -> str | None:
         if isinstance(answer, type):
             return f"Wrong type: the answer is the class {answer.__name__}; make an object of it, with its data in parentheses."
         for name, method in self.methods.items():
@@ -134,12 +138,12 @@ class Choice:
     right : the pair;  choices : {wrong letter: hint};  reasons : {wrong number: hint}, for the right letter
     """
 
-    right: tuple
+    right: tuple[str, int]
     choices: Mapping[str, str]
     reasons: Mapping[int, str]
     insight: str
 
-    def Hint(self, answer):
+    def Hint(self, answer: Any) -> str | None:
         letters, numbers = sorted([self.right[0], *self.choices]), sorted([self.right[1], *self.reasons])
         if not isinstance(answer, (tuple, list)) or len(answer) != 2:
             return f"Wrong type: give a statement and its reason as a pair, a letter and a number such as ({letters[0]!r}, 1)."
@@ -151,7 +155,7 @@ class Choice:
         return None if number == self.right[1] else f"The statement is right, the reason is not. {self.reasons[number]}"
 
 
-def Compare(answer, right, wrong, hint, tol):
+def Compare(answer: Any, right: Any, wrong: Iterable[tuple[str, Any]], hint: str, tol: float) -> str | None:
     """None if an answer equals the right value, else the hint that fits; `wrong` is a list of (hint, value)."""
     right = _Array(right)
     try:
@@ -166,7 +170,7 @@ def Compare(answer, right, wrong, hint, tol):
         return "Not finite: look for a division by zero, or a root or power of a negative number."
     scale = np.abs(right).max(initial=0) or 1.0
 
-    def Same(value):
+    def Same(value: Any) -> bool:
         return np.abs(found - _Array(value)).max(initial=0) <= tol * scale
 
     if Same(right):
@@ -177,7 +181,7 @@ def Compare(answer, right, wrong, hint, tol):
     return _General(found, right, Same, scale) or hint
 
 
-def _General(found, right, Same, scale):
+def _General(found: Array, right: Array, Same: Callable[[Any], bool], scale: float) -> str | None:
     """The hint for a mistake that shows whatever the exercise is, or None."""
     if Same(-right):
         return "Wrong sign: the size is right.  In which direction is this quantity counted as positive?"
@@ -198,7 +202,7 @@ def _General(found, right, Same, scale):
     return None
 
 
-def _Array(value):
+def _Array(value: Any) -> Array:
     """Numbers as a float array; TypeError for anything else."""
     value = value.toarray() if sp.issparse(value) else value
     if isinstance(value, (str, bytes, bool)) or callable(value):
@@ -211,7 +215,7 @@ def _Array(value):
     return array.astype(float)
 
 
-def _Vectorised(error):
+def _Vectorised(error: Exception) -> str:
     """What to do about an error that comes from taking an array for a number, or nothing."""
     if "truth value" in str(error):
         return "  The data are arrays, and `if`, `and`, `max` are for one number: use np.where, &, np.maximum."
@@ -220,5 +224,5 @@ def _Vectorised(error):
     return ""
 
 
-def _Kind(answer: Any):
+def _Kind(answer: Any) -> str:
     return f"an object of type {type(answer).__name__}"

@@ -1,14 +1,19 @@
 """Exercises of notebook 3, the four fluxes by hand."""
 
+from __future__ import annotations
+
 from functools import cache
+from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 from ngsolve import CF, BilinearForm, ds, dx
 
+from ..contracts import Array
 from ..discretization import Discretization
 from ..mesh.facets import Csr
 from ..meshes import RectangleMesh
-from ..methods.rows import LDG, BrezziEtAl, InteriorPenalty, NonsymmetricInteriorPenalty
+from ..methods.rows import LDG, BrezziEtAl, InteriorPenalty, NonsymmetricInteriorPenalty, PenalisedRow
 from ..problem.foundation import Foundation
 from ..problem.laws import NormalCompliance
 from ..problem.materials import HookeMaterial
@@ -20,25 +25,25 @@ TOL = 1e-8      # of matrices: round-off
 
 
 @cache
-def Disc(method):
+def Disc(method: PenalisedRow) -> Discretization:
     problem = ContactProblem(MATERIAL, Foundation("bottom", NormalCompliance(300)), dirichlet={"top": CF((0, -0.1))})
     return Discretization(problem, method, RectangleMesh(2), order=1)
 
 
-def Matrix(method):
+def Matrix(method: PenalisedRow) -> sp.csr_matrix:
     return Csr(Disc(method).form.Matrix())
 
 
-def Nonsymmetric(penalty=30):
+def Nonsymmetric(penalty: float = 30) -> sp.csr_matrix:
     return Matrix(NonsymmetricInteriorPenalty(penalty=penalty))
 
 
-def Penalty():
+def Penalty() -> sp.csr_matrix:
     """alpha for 30 mu: what twice the penalty adds."""
     return Matrix(InteriorPenalty(penalty=60)) - Matrix(InteriorPenalty(penalty=30))
 
 
-def VectorPenalty(*, clamped=True, sized=True):
+def VectorPenalty(*, clamped: bool = True, sized: bool = True) -> sp.csr_matrix:
     """eta/h w_u.w_v on E0, with or without Gamma_D and 1/h."""
     disc = Disc(InteriorPenalty(penalty=30))
     u, v = disc.space.TnT()
@@ -51,18 +56,18 @@ def VectorPenalty(*, clamped=True, sized=True):
     return Csr(form.Assemble().mat)
 
 
-def GlobalLift():
+def GlobalLift() -> sp.csr_matrix:
     """(C r_0, r_0): what distinguishes LDG from interior penalty."""
     return Matrix(LDG(penalty=30)) - Matrix(InteriorPenalty(penalty=30))
 
 
-def Facets(rng):
+def Facets(rng: np.random.Generator) -> tuple[Any, ...]:
     angle = rng.uniform(0, 2 * np.pi, 15)
     normals = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     return rng.standard_normal((15, 2)), rng.standard_normal((15, 2)), normals, rng.uniform(1, 9, 15)
 
 
-def Flux(mean, w, n, ratio, *, sign=-1, normal=1.0, half=0.5):
+def Flux(mean: Array, w: Array, n: Array, ratio: Array, *, sign: int = -1, normal: float = 1.0, half: float = 0.5) -> Array:
     return mean + sign * half * ratio[:, None] * (w + normal * np.sum(w * n, axis=1)[:, None] * n)
 
 

@@ -1,33 +1,38 @@
 """Exercises of notebook 5, Uzawa's iteration."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
+from ..contracts import Array
 from .checker import Choice, Function
 
 
-def Columns(rng):
+def Columns(rng: np.random.Generator) -> tuple[Any, ...]:
     return (rng.uniform(0, 9, 20), rng.uniform(0.1, 0.5, 20), rng.uniform(0, 0.2, 20), rng.uniform(10, 90, 20),
             rng.uniform(0.01, 0.05, 20))
 
 
-def Factors(rng):
+def Factors(rng: np.random.Generator) -> tuple[Any, ...]:
     """Also a tolerance that is reached exactly, after 3 and after 2 steps."""
     return np.append(rng.uniform(0.05, 0.99, 18), (0.5, 0.25)), np.append(10 ** -rng.uniform(2, 12, 18), (0.125, 0.0625))
 
 
-def Step(p, d, g, k, c):
+def Step(p: Array, d: Array, g: float | Array, k: float | Array, c: float | Array) -> Array:
     return k * np.maximum(d - c * p - g, 0)
 
 
-def Steps(q, tol):
+def Steps(q: Array, tol: Array) -> Array:
     return np.log(tol) / np.log(q)
 
 
-def Multipliers(rng):
+def Multipliers(rng: np.random.Generator) -> tuple[Any, ...]:
     return (rng.uniform(-2, 2, (30, 2)) * np.arange(30)[:, None] / 15,)
 
 
-def Project(multiplier):
+def Project(multiplier: Array) -> Array:
     return multiplier / np.maximum(np.linalg.norm(multiplier, axis=1), 1)[:, None]
 
 

@@ -1,39 +1,44 @@
 """Exercises of notebook 10, laws of one's own."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
+from ..contracts import Array
 from .checker import Choice, Function, Law
 
 SOFT, HARD, THICKNESS = 20.0, 500.0, 0.1            # of the foam [stress/length], [length]
 COEFFICIENT, STRENGTH = 0.4, 5.0                    # of the friction
 
 
-def Penetrations(rng):
+def Penetrations(rng: np.random.Generator) -> tuple[Any, ...]:
     return (rng.uniform(-0.1, 0.3, 40),)
 
 
-def Foam(r, *, base=SOFT * THICKNESS, hard=HARD):
+def Foam(r: Array, *, base: float = SOFT * THICKNESS, hard: float = HARD) -> Array:
     depth = np.maximum(r, 0)
     return np.where(depth < THICKNESS, SOFT * depth, base + hard * (depth - THICKNESS))
 
 
-def Slope(r):
+def Slope(r: Array) -> Array:
     return np.where(r > 0, np.where(r < THICKNESS, SOFT, HARD), 0)
 
 
-def Pressures(rng):
+def Pressures(rng: np.random.Generator) -> tuple[Any, ...]:
     return rng.uniform(0, 0.3, 40), rng.uniform(0, 30, 40)
 
 
-def Slips(rng):
+def Slips(rng: np.random.Generator) -> tuple[Any, ...]:
     return rng.uniform(0, 30, 40), rng.choice([-0.2, 0.1], 40), 0.4, 5.0
 
 
-def Bound(p, coefficient=COEFFICIENT, strength=STRENGTH):
+def Bound(p: Array, coefficient: float = COEFFICIENT, strength: float = STRENGTH) -> Array:
     return np.minimum(coefficient * p, strength)
 
 
-def Derivatives(r, p, *, factor=COEFFICIENT):
+def Derivatives(r: Array, p: Array, *, factor: float = COEFFICIENT) -> tuple[Array, Array]:
     return np.zeros_like(r), np.where(COEFFICIENT * p < STRENGTH, factor, 0.0)
 
 

@@ -1,10 +1,14 @@
 """Exercises of notebook 4, edge form and lifting form."""
 
+from __future__ import annotations
+
 from functools import cache
+from typing import Any
 
 import numpy as np
 from ngsolve import CF
 
+from ..contracts import Array
 from ..discretization import Discretization
 from ..mesh.facets import Csr
 from ..meshes import RectangleMesh
@@ -18,17 +22,17 @@ from .checker import Choice, Function, Value
 FACETS = 3      # of a triangle
 
 
-def Jumps(rng):
+def Jumps(rng: np.random.Generator) -> tuple[Any, ...]:
     jump = rng.standard_normal((12, 2, 2))
     return jump + np.swapaxes(jump, 1, 2), rng.uniform(0.1, 0.5, 12), rng.uniform(0.02, 0.2, 12)
 
 
-def Lift(jump, length, area, *, factor=-0.5):
+def Lift(jump: Array, length: Array, area: Array, *, factor: float = -0.5) -> Array:
     return factor * jump * (length / area)[:, None, None]
 
 
 @cache
-def Threshold(*, n=4, penalties=(1.0, 2.0)):
+def Threshold(*, n: int = 4, penalties: tuple[float, float] = (1.0, 2.0)) -> float:
     """eta from which on Bassi et al. is coercive: A_0 + eta beta >= 0, with A_0 and beta from two penalties.
 
     On functions without a lifting A_0 is the strain energy and, Gamma_D being clamped, positive; so the pencil

@@ -1,29 +1,33 @@
 """Exercises of notebook 9, locking."""
 
+from __future__ import annotations
+
 from functools import cache
+from typing import Any
 
 import numpy as np
 
+from ..contracts import Array, Method
 from ..methods.conforming import Conforming
 from ..studies import locking
 from .checker import Choice, Function, Value
 
 
-def Materials(rng):
+def Materials(rng: np.random.Generator) -> tuple[Any, ...]:
     """Also without lateral contraction."""
     return rng.uniform(1, 3000, 20), np.append(0, rng.uniform(0.05, 0.499, 19))
 
 
-def Lam(E, nu):
+def Lam(E: Array, nu: Array) -> Array:
     return E * nu / ((1 + nu) * (1 - 2 * nu))
 
 
 @cache
-def Growth(method, *, order=2, n=4, last=1e4):
+def Growth(method: Method, *, order: int = 2, n: int = 4, last: float = 1e4) -> float:
     return locking.Study(method, order=order, n=n, lam=(1, last)).factor
 
 
-def Counts():
+def Counts() -> Array:
     """Leading terms of 2 (k n + 1)^2 and 2 n^2 (k + 1)(k + 2) over 2 n^2 times dim P_(k-1)."""
     return np.array([2 * 1 ** 2 / (2 * 1), 2 * 2 * 3 / (2 * 1), 2 * 2 ** 2 / (2 * 3)])
 

@@ -1,47 +1,54 @@
 """Exercises of notebook 6, semismooth Newton and the zones."""
 
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 
 from ..contact.graph import SEPARATION, SLIP, STICK
+from ..contracts import Array
 from .checker import Choice, Function
 
 
-def Tractions(rng):
+def Tractions(rng: np.random.Generator) -> tuple[Any, ...]:
     """Pressures, friction of both signs and bounds with every zone among them; also contact with the bound 0."""
     pressure = np.where(rng.uniform(size=40) < 0.3, 0.0, rng.uniform(1, 9, 40))
     bound = 0.5 * pressure
     return pressure, bound * rng.choice([-1.0, -0.6, 0.0, 0.4, 1.0], 40), bound
 
 
-def Zone(pressure, friction, bound):
+def Zone(pressure: Array, friction: Array, bound: Array) -> Array:
     return np.where(pressure <= 0, SEPARATION, np.where(np.abs(friction) < bound, STICK, SLIP))
 
 
-def Penetrations(rng):
+def Penetrations(rng: np.random.Generator) -> tuple[Any, ...]:
     """Open and closed points, each also with m = 1, the law of most examples, where numpy takes 0**0 for 1."""
     return rng.uniform(-1, 2, 30), rng.uniform(1, 50, 30), np.where(np.arange(30) % 3 == 0, 1.0, rng.uniform(1, 3, 30))
 
 
-def Depth(r):
+def Depth(r: Array) -> Array:
     """(r)_+."""
     return np.maximum(r, 0)
 
 
-def Derivative(r, k, m):
+def Derivative(r: Array, k: Array, m: Array) -> Array:
     return np.where(r > 0, k * m * Depth(r) ** (m - 1), 0)
 
 
-def Unmasked(r, k, m):
+def Unmasked(r: Array, k: Array, m: Array) -> Array:
     """k m (r)_+^(m-1) without a case for r <= 0, where it is k for m = 1."""
     return k * m * Depth(r) ** (m - 1)
 
 
-def Columns(rng):
+def Columns(rng: np.random.Generator) -> tuple[Any, ...]:
     r, k, m = Penetrations(rng)
     return r, rng.uniform(0.1, 0.5, 30), rng.uniform(1, 2, 30), rng.uniform(0.01, 0.1, 30), k, m
 
 
-def NewtonStep(r, g, d, c, k, m, *, slope=Derivative):
+def NewtonStep(r: Array, g: float | Array, d: Array, c: Array, k: Array, m: Array, *,
+               slope: Callable[..., float | Array] = Derivative) -> Array:
     return r - (r + g + c * k * Depth(r) ** m - d) / (1 + c * slope(r, k, m))
 
 

@@ -1,33 +1,38 @@
 """Exercises of notebook 8, from normal compliance to Signorini."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
+from ..contracts import Array
 from .checker import Choice, Function
 
 
-def States(rng):
+def States(rng: np.random.Generator) -> tuple[Any, ...]:
     """Also without pressure, open and closed."""
     return rng.uniform(-1, 1, 30), np.where(np.arange(30) % 3 == 0, 0.0, rng.uniform(0, 5, 30)), 3.7
 
 
-def Residual(r, p, gamma):
+def Residual(r: Array, p: Array, gamma: float) -> Array:
     return p - np.maximum(p + gamma * r, 0)
 
 
-def Errors(rng):
+def Errors(rng: np.random.Generator) -> tuple[Any, ...]:
     stiffnesses = np.cumprod(rng.uniform(2, 9, 6))
     return 4 / stiffnesses ** rng.uniform(0.5, 1.5), stiffnesses
 
 
-def Powers(errors, stiffnesses):
+def Powers(errors: Array, stiffnesses: Array) -> Array:
     return -np.diff(np.log(errors)) / np.diff(np.log(stiffnesses))
 
 
-def Graph(rng):
+def Graph(rng: np.random.Generator) -> tuple[Any, ...]:
     return rng.uniform(-4, 9, 30), rng.uniform(1, 20, 30), 3.7
 
 
-def Pressure(q, k, gamma):
+def Pressure(q: Array, k: Array, gamma: float) -> Array:
     return k / (k + gamma) * np.maximum(q, 0)
 
 

@@ -1,20 +1,25 @@
 """Exercises of notebook 2, H1 against DG."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
+from ..contracts import Array
 from .checker import Choice, Function
 
 
-def Sizes(rng):
+def Sizes(rng: np.random.Generator) -> tuple[Any, ...]:
     return rng.integers(2, 9, 12), rng.integers(1, 6, 12)
 
 
-def Errors(rng):
+def Errors(rng: np.random.Generator) -> tuple[Any, ...]:
     sizes = np.cumprod(rng.uniform(0.3, 0.7, 5))
     return 3 * sizes ** rng.uniform(1, 3), sizes
 
 
-def Orders(errors, sizes):
+def Orders(errors: Array, sizes: Array) -> Array:
     return np.log(errors[:-1] / errors[1:]) / np.log(sizes[:-1] / sizes[1:])
 
 

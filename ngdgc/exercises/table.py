@@ -1,35 +1,40 @@
 """Exercises of notebook 7, Table 3."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 from ngsolve import Integrate, ds
 
 from ..cases import example_4_1
+from ..contracts import Array
 from ..errors import Rates
 from ..problem.materials import HookeMaterial
 from ..studies.table3 import PUBLISHED
 from .checker import Choice, Function, Value
 
 
-def Materials(rng):
+def Materials(rng: np.random.Generator) -> tuple[Any, ...]:
     """Also without lateral contraction."""
     return rng.uniform(10, 3000, 20), np.append(0, rng.uniform(0.05, 0.48, 19))
 
 
-def Lam(E, nu, plane):
+def Lam(E: Array, nu: Array, plane: str) -> Array:
     return np.array([HookeMaterial(E=a, nu=b, plane=plane).lam for a, b in zip(E, nu)])
 
 
-def Mu(E, nu):
+def Mu(E: Array, nu: Array) -> Array:
     return E / (2 * (1 + nu))
 
 
-def Halved(E, nu):
+def Halved(E: Array, nu: Array) -> Array:
     """2 lam mu/(lam + mu), a slip of the pen."""
     lam, mu = Lam(E, nu, "strain"), Mu(E, nu)
     return 2 * lam * mu / (lam + mu)
 
 
-def Load(component):
+def Load(component: int) -> float:
     """Size of the force of the traction of Example 4.1 in a direction."""
     (region, traction), = example_4_1.Problem().traction.items()
     mesh = example_4_1.Mesh(4)

@@ -1,5 +1,9 @@
 """Exercises of notebook 1, the Winkler column."""
 
+from __future__ import annotations
+
+from typing import Any
+
 import numpy as np
 
 from ..problem.materials import HookeMaterial
@@ -10,11 +14,11 @@ PAD = HookeMaterial(E=E, nu=NU)
 MODULUS = PAD.lam + 2 * PAD.mu
 
 
-def Settlement(gap=GAP, depth=PRESSURE / STIFFNESS, modulus=MODULUS):
+def Settlement(gap: float = GAP, depth: float = PRESSURE / STIFFNESS, modulus: float = MODULUS) -> float:
     return gap + depth + PRESSURE * HEIGHT / modulus
 
 
-def Loads(rng):
+def Loads(rng: np.random.Generator) -> tuple[Any, ...]:
     """Also no load, for which the column just touches, and m = 1."""
     return (np.append(0, rng.uniform(1, 5, 19)), rng.uniform(10, 90, 20), np.append(rng.uniform(0.5, 3, 19), 1),
             rng.uniform(0.1, 1, 20))

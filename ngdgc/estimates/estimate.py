@@ -7,8 +7,10 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from ..contracts import Array
+from ..tools.calls import ByKeyword
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class ErrorEstimate:
     """The error of a solution in the energy norm, sqrt(int C eps(u - u_h):eps(u - u_h)) [sqrt(stress length^d)], estimated.

@@ -12,6 +12,7 @@ from .canvas import ZONE_COLOURS
 from .comparison import ComparisonFigure
 from .contact import ContactFigure
 from .deformed import DeformedFigure
+from .estimate import ErrorFigure
 from .history import HistoryFigure
 from .law import LawFigure
 from .setting import SettingFigure

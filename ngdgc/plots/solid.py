@@ -103,7 +103,7 @@ def DeformedSurface(solution: ContactSolution, scale: float) -> Figure:
     state = "" if solution.converged else ", NOT CONVERGED"
     title = (f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\ndisplacement x {scale:g}, "
              f"max |u| = {largest:.3g}{state}")
-    return _Surface(faces, colours, title, dict(zip(ZONES, ZONE_COLOURS)))
+    return Surface(faces, colours, title, dict(zip(ZONES, ZONE_COLOURS)))
 
 
 KINDS = {"dirichlet": "#555555", "roller": GREEN, "traction": BLUE, "foundation": RED, "free": "#D9E5F0"}
@@ -118,10 +118,10 @@ def SettingSurface(disc: DiscreteProblem) -> Figure:
     elements = [element for element, side in zip(mesh.Elements(BND), Sides(disc.facets, ".*")) if side]
     faces = [np.array([points[vertex.nr] for vertex in element.vertices]) for element in elements]
     present = {kind: colour for kind, colour in KINDS.items() if kind in kinds.values()}
-    return _Surface(faces, [KINDS[kinds[element.index]] for element in elements], "setting", present)
+    return Surface(faces, [KINDS[kinds[element.index]] for element in elements], "setting", present)
 
 
-def _Surface(faces: Sequence[Array], colours: Sequence[str], title: str, legend: Mapping[str, str]) -> Figure:
+def Surface(faces: Sequence[Array], colours: Any, title: str, legend: Mapping[str, str]) -> Figure:
     """Faces (vertices, 3) in space, seen from below, where foundations are."""
     figure = Figure(figsize=(7, 6), layout="constrained")
     axes = figure.add_subplot(projection="3d")
@@ -132,8 +132,9 @@ def _Surface(faces: Sequence[Array], colours: Sequence[str], title: str, legend:
              **{f"{name}label": f"{name} [length]" for name in "xyz"})
     axes.view_init(elev=-25, azim=-60)
     axes.set_title(title, fontsize=10)
-    figure.legend(handles=[Patch(facecolor=colour, label=label) for label, colour in legend.items()],
-                  loc="outside lower center", ncols=len(legend), frameon=False)
+    if legend:
+        figure.legend(handles=[Patch(facecolor=colour, label=label) for label, colour in legend.items()],
+                      loc="outside lower center", ncols=len(legend), frameon=False)
     return figure
 
 

@@ -5,10 +5,10 @@ from mistakes import Block, Disc
 from ngsolve import CF, Grad, VoxelCoefficient
 from problems import Example
 
-from ngdgc import Solve
+from ngdgc import EstimateError, Solve
 from ngdgc.errors import EnergyError, L2Error, StrainError
 from ngdgc.export import Animation
-from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure
+from ngdgc.plots import ComparisonFigure, DeformedFigure, ErrorFigure, SettingFigure
 
 RESULTS = [
     # Pictures.
@@ -19,6 +19,10 @@ RESULTS = [
      "solution 'IP' is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: Animation([Solve(Disc()), Example()]), "solution 2 is ContactProblem( | a ContactSolution | give"),
     (lambda _: DeformedFigure(Solve(Disc()), scale="large"), "scale is 'large' | a number | 1 for the displacement as it is"),
+    (lambda _: ErrorFigure(Solve(Disc()), estimate=0.1),
+     "estimate is 0.1 | an ErrorEstimate | which EstimateError(solution) returns"),
+    (lambda _: ErrorFigure(Solve(Disc()), estimate=EstimateError(Solve(Disc(n=3)))),
+     "estimate has indicators of 18 elements | has 8 | give the estimate of this solution"),
     (lambda _: DeformedFigure(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: SettingFigure(Solve(Disc())),
      "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import VOL
+from ngsolve import VOL, GridFunction
 
 from . import contracts
 from .contact.graph import Distance
@@ -23,7 +23,7 @@ from .meshes import UnitMesh
 from .problem.foundation import Foundation
 from .problem.hypotheses import CheckLaws, LawReport
 from .solution.history import Step
-from .solution.resultants import BALANCE
+from .solution.resultants import BALANCE, ElementImbalance
 from .solution.solution import ContactSolution
 from .tools.calls import ByKeyword
 from .tools.kinds import Short
@@ -31,6 +31,7 @@ from .tools.names import NameOf
 
 ROUNDOFF = 1e-9     # relative, of what holds exactly
 SYMMETRIC = 1e-7    # relative asymmetry of an inverse whose solutions are accurate
+ITERATED = 1e-5     # relative error of conjugate gradients
 LAW = 1e-6          # law residual of a solution that counts as converged
 
 
@@ -174,30 +175,45 @@ def CheckForm(form: Any, space: Any) -> None:
     name, shape = NameOf(form), (space.ndof, space.ndof)
     vectors = np.random.default_rng(1).standard_normal((2, space.ndof)) * Free(space)
     for member in ("Matrix", "Norm"):
-        matrix = Csr(getattr(form, member)())
+        matrix = getattr(form, member)()
+        _Ask(hasattr(matrix, "CSR"), f"{name}.{member}() is {Short(matrix)}", "give NGSolve's sparse matrix")
+        matrix = Csr(matrix)
         _Ask(matrix.shape == shape, f"{name}.{member}() has shape {matrix.shape}", f"make it on the space, {shape}")
         _Ask(np.all(np.isfinite(matrix.data)), f"{name}.{member}() is not finite", "look for a division by zero")
     u, v = vectors
     asymmetry, size = abs(u @ (matrix @ v) - v @ (matrix @ u)), abs(u) @ (abs(matrix) @ abs(v))
     _Ask(asymmetry <= ROUNDOFF * size, f"{name}.Norm() is not symmetric", "give the matrix of a scalar product")
     _Ask(u @ (matrix @ u) > 0, f"{name}.Norm() is not positive", "give the energy norm of strains and jumps")
-    for region, load in form.Prescribed().items():
-        _Ask(np.shape(load) == shape[:1], f"{name}.Prescribed()[{region!r}] has shape {np.shape(load)}",
-             f"give an array ({space.ndof},)")
+    gfu = GridFunction(space)
+    gfu.vec.FV().NumPy()[:] = v
+    for member, found in (("Prescribed()", form.Prescribed()), ("Fluxes(gfu)", form.Fluxes(gfu))):
+        _Ask(isinstance(found, dict), f"{name}.{member} is {Short(found)}", f"give a dictionary of arrays ({space.ndof},)")
+        for region, load in found.items():
+            _Ask(np.shape(load) == shape[:1], f"{name}.{member}[{region!r}] has shape {np.shape(load)}",
+                 f"give an array ({space.ndof},)")
+            _Ask(np.all(np.isfinite(load)), f"{name}.{member}[{region!r}] is not finite", "look for a division by zero")
 
 
 @ByKeyword
 def CheckMethod(method: Any, *, cells: str = "triangle", order: int = 1) -> None:
     """A method has its members, its dofs are numbered as is asked, its form is one, symmetric if it says so, and a body solved.
 
-    With terms of consistency the solution is the affine displacement of `exact.AffinePatch` to round-off.
+    With terms of consistency the solution is the affine displacement of `exact.AffinePatch` to round-off.  Of a conservative
+    method every element balances, and forces on a region are the same by both kinds of fluxes; of an iterative one conjugate
+    gradients find what a factorisation finds.
     cells : of a mesh of the unit square or cube, as for `meshes.RectangleMesh` or `meshes.BoxMesh`
     """
     _AskMembers(method, contracts.Method, "method")
+    for answer in ("discontinuous", "weak", "conservative", "iterative", "symmetric"):
+        _Ask(isinstance(getattr(method, answer), bool), f"method {NameOf(method)} has {answer} = "
+             f"{Short(getattr(method, answer))}", "answer True or False")
     mesh = UnitMesh(2, cells)
     exact = AffinePatch("slip", dim=mesh.dim)
     disc = Discretization(exact.problem, method, mesh, order=order)
     CheckSpaceNumbering(disc.space, method.ScalarSpace(mesh, order))
+    shared = sum(len(disc.space.GetDofNrs(element)) for element in mesh.Elements(VOL)) > disc.space.ndof
+    _Ask(shared != method.discontinuous, f"method {NameOf(method)} says discontinuous = {method.discontinuous}, and its "
+         f"elements have {'some' if shared else 'no'} dofs in common", "answer for its space")
     CheckForm(disc.form, disc.space)
     b, c, _ = _Loads(disc)
     work = b @ disc.Multiply(c), c @ disc.Multiply(b)
@@ -210,6 +226,28 @@ def CheckMethod(method: Any, *, cells: str = "triangle", order: int = 1) -> None
     _Ask(not consistent or _Same(solution.gfu(points), exact.displacement(points), SYMMETRIC),
          f"method {NameOf(method)} does not return an affine displacement",
          "look for a term that is missing, or wrong by a sign")
+    if method.conservative:
+        _CheckFluxes(solution)
+    _Ask(method.discontinuous or not method.iterative, f"method {NameOf(method)} says iterative = True, and is continuous",
+         "say iterative = False")
+    if method.iterative and method.symmetric:
+        other = Discretization(exact.problem, method, mesh, order=order, inverse="iterative")
+        _Ask(_Same(other.SolveLinear(b), disc.SolveLinear(b), ITERATED), f"method {NameOf(method)} says iterative = True, and "
+             "conjugate gradients find another solution than a factorisation", "say iterative = False")
+
+
+def _CheckFluxes(solution: Any) -> None:
+    """Of a conservative method."""
+    name, form = NameOf(solution.disc.method), solution.disc.form
+    size, wanted = form.FluxFunction(solution.gfu).space.ndof, form.operators.facetspace.ndof
+    _Ask(size == wanted, f"method {name}: FluxFunction has {size} coefficients, {wanted} are expected",
+         "make it with operators.facetspace")
+    _Ask(np.all(np.abs(ElementImbalance(solution)) <= BALANCE), f"method {name} says conservative = True, and Fluxes of its "
+         "form do not balance its elements", "say conservative = False, or look for a term that is missing in Fluxes")
+    for resultant in solution.Resultants():
+        if resultant.kind == "dirichlet":
+            _Ask(_Same(solution.Force(resultant.region), resultant.force, SYMMETRIC), f"method {name}: the force on "
+                 f"{resultant.region!r} is another by FluxFunction than by Fluxes", "give the same flux in both")
 
 
 @ByKeyword

@@ -25,7 +25,7 @@ class Coefficient(Protocol):
 
 
 class Compliance(Protocol):
-    """A normal law: see `foundation.ComplianceLaw`."""
+    """A normal law: see `laws.ComplianceLaw`."""
 
     def Pressure(self, r: Any) -> Any: ...
 
@@ -33,7 +33,7 @@ class Compliance(Protocol):
 
 
 class Friction(Protocol):
-    """A friction law: see `foundation.FrictionLaw`."""
+    """A friction law: see `laws.FrictionLaw`."""
 
     def Bound(self, r: Any, p: Any) -> Any: ...
 

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from ngsolve import H1, VOL, CF
+from ngsolve import H1, VOL, CF, GridFunction
 
 from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NestedNewtonSolver, NormalCompliance, PowerFriction, ProblemError, SemismoothNewtonSolver,
@@ -198,6 +198,58 @@ def test_forms_and_methods_that_are_none():
     tilted = InteriorPenalty()
     Refused("does not return an affine displacement", CheckMethod, Wrong(tilted, Form=lambda problem, *rest: tilted.Form(
         replace(problem, dirichlet={region: 2 * value for region, value in problem.dirichlet.items()}), *rest)))
+
+
+def Answering(method, form=None, **answers):
+    """A method that answers otherwise, or makes its form with other members."""
+    if form:
+        answers["Form"] = lambda *data: Wrong(made := method.Form(*data), **form(made))
+    return Wrong(method, **answers)
+
+
+def test_methods_that_do_not_answer_for_themselves():
+    """Every question of the contract, answered wrongly; the wrappers themselves are no mistake."""
+    ip, h1 = InteriorPenalty(), Conforming()
+    CheckMethod(Answering(ip, form=lambda made: {}))
+    for words, method in {
+            "has symmetric = 'yes'; answer True or False": Answering(ip, symmetric="yes"),
+            "IP says discontinuous = False, and its elements have no dofs": Answering(ip, discontinuous=False),
+            "H1 says discontinuous = True, and its elements have some dofs": Answering(h1, discontinuous=True),
+            "IP says that displacements on Gamma_D are not weak": Answering(ip, weak=False),
+            "H1 says that displacements on Gamma_D are weak": Answering(h1, weak=True),
+            "has no FluxFunction, operators; .* contracts.FluxForm": Answering(h1, conservative=True),
+            "H1 says iterative = True, and is continuous": Answering(h1, iterative=True),
+            "not return an affine displacement": Answering(METHODS["wopsip"](), form=lambda _: {"consistent": True})}.items():
+        Refused(words, CheckMethod, method)
+
+
+def test_fluxes_that_are_none():
+    """Of the wrong size, without a region, not finite, without balance, and not those of FluxFunction."""
+    ip = InteriorPenalty()
+
+    def Fluxes(Change):
+        return Answering(ip, form=lambda made: {"Fluxes": lambda gfu: {
+            region: Change(flux) for region, flux in made.Fluxes(gfu).items()}})
+
+    def Flux(Change):
+        def FluxFunction(made, gfu):
+            return Change(made.FluxFunction(gfu))
+        return Answering(ip, form=lambda made: {"FluxFunction": lambda gfu: FluxFunction(made, gfu)})
+
+    def Halved(function):
+        function.vec.data = 0.5 * function.vec
+        return function
+
+    CheckMethod(Fluxes(np.copy))
+    CheckMethod(Flux(lambda function: function))
+    Refused("Fluxes.* has shape", CheckMethod, Fluxes(lambda flux: flux[:3]))
+    Refused("Fluxes.* is not finite", CheckMethod, Fluxes(lambda flux: np.nan * flux))
+    Refused("do not balance its elements", CheckMethod, Fluxes(lambda flux: 2 * flux))
+    Refused("is .*; give a dictionary", CheckMethod, Answering(ip, form=lambda made: {"Fluxes": lambda gfu: [1]}))
+    Refused("another by FluxFunction than by Fluxes", CheckMethod, Flux(Halved))
+    Refused("FluxFunction has .* coefficients", CheckMethod, Flux(lambda function: GridFunction(H1(function.space.mesh))))
+    Refused(r"Prescribed\(\)\[.*\] is not finite", CheckForm, *Form(Prescribed=lambda: {"top": np.full(48, np.nan)}))
+    Refused("is None; give NGSolve's sparse matrix", CheckForm, *Form(Norm=lambda: None))
 
 
 def test_laws():

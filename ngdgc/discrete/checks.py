@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import Mesh
+from ngsolve import FESpace, Mesh
 
+from ..contracts import Method
 from ..data.coefficients import ValuesAt, VectorsAt
 from ..data.inside import CheckMaterials
 from ..data.regions import Matching
@@ -52,6 +53,27 @@ def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
         if np.any(facets.neighbours[on] > 1):
             raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
                                "conditions are for the outer boundary only: rename the interface or the region")
+
+
+def CheckSpace(method: Method, space: Any, scalar: Any, mesh: Mesh, clamped: str) -> None:
+    """The space of a method has d components of its scalar space, and leaves dofs on Gamma_D free as the method says.
+
+    clamped : "a|b", the regions of Gamma_D, or ""
+    """
+    if not isinstance(space, FESpace) or not isinstance(scalar, FESpace) or space.ndof != mesh.dim * scalar.ndof:
+        found, own = (f"{type(one).__name__} of {getattr(one, 'ndof', 'no')} dofs" for one in (space, scalar))
+        raise ProblemError(f"method {method.name} has a Space {found} and a ScalarSpace {own}; give NGSolve's VectorL2 or "
+                           f"VectorH1 and the space of its {mesh.dim} components")
+    if not clamped:
+        return
+    there = space.GetDofs(mesh.Boundaries(clamped))
+    held = (there & ~space.FreeDofs()).NumSet()
+    if method.weak and held:
+        raise ProblemError(f"method {method.name} says that displacements on Gamma_D are weak, and its space holds {held} dofs "
+                           "there; leave them free, or say weak = False")
+    if not method.weak and (held < there.NumSet() or not held):
+        raise ProblemError(f"method {method.name} says that displacements on Gamma_D are not weak, and its space holds {held} "
+                           f"of {there.NumSet()} dofs there; hold those of `clamped`, or say weak = True")
 
 
 def CheckData(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:

@@ -8,7 +8,7 @@ import numpy as np
 from ngsolve import GridFunction, Mesh, ds, dx
 
 from ..contact.boundary import ContactBoundary
-from ..contracts import Array, Inverse, Inverter, Method, Missing
+from ..contracts import Array, FluxForm, Form, Inverse, Inverter, Method, Missing
 from ..data.coefficients import LOADBONUS, OnFacets, Unfolded
 from ..data.inside import OnBoundary
 from ..exceptions import ProblemError
@@ -22,11 +22,12 @@ from ..methods.coercivity import CheckCoercivity, CheckSum
 from ..methods.symbolform import Coefficients
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
+from ..tools.kinds import Short
 from ..tools.memory import CheckAssembly
 from ..tools.names import NameOf
 from ..tools.values import Among, Order
 from .added import AddedForms
-from .checks import CheckData, CheckMesh, CheckRegions
+from .checks import CheckData, CheckMesh, CheckRegions, CheckSpace
 from .frozen import Frozen, OfMatrix
 from .restraints import Restraints
 from .state import State
@@ -67,16 +68,17 @@ class DiscreteProblem(LinearEquations):
         self.facets = Facets(mesh)
         CheckRegions(problem, mesh, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
-        self.added = AddedForms(self.space, self.facets)
         self.derived: dict[str, Any] = {}
         self.elastic: dict[str, Any] = {}
         self._Read()
+        self.added = AddedForms(self.space, self.facets)
 
     def _Read(self) -> None:
         """Evaluate the data as they are now."""
         self.state = State(self.problem, self.mesh)
         CheckData(self.problem, self.mesh, self.facets)
         scalar, rules = self.method.ScalarSpace(self.mesh, self.order), ContactRules(self.method, self.mesh.dim, self.order)
+        CheckSpace(self.method, self.space, scalar, self.mesh, "|".join(self.problem.dirichlet))
         self.contact = ContactBoundary(self.problem, self.facets, self.space, scalar, rules)
 
     def Current(self) -> DiscreteProblem:
@@ -106,13 +108,20 @@ class DiscreteProblem(LinearEquations):
     @OfMatrix
     def form(self) -> Any:
         """B_h of the method, before assembly."""
-        return self.method.Form(self.problem, self.facets, self.space, self.order, self.assembly)
+        return self._Form(self.assembly)
 
     @OfMatrix
     def facetform(self) -> Any:
         """B_h of a discontinuous method from facet operators, whichever route assembles."""
-        return self.form if self.assembly == "facet" else self.method.Form(self.problem, self.facets, self.space, self.order,
-                                                                           "facet")
+        return self.form if self.assembly == "facet" else self._Form("facet")
+
+    def _Form(self, assembly: str) -> Any:
+        form = self.method.Form(self.problem, self.facets, self.space, self.order, assembly)
+        contract = FluxForm if self.method.conservative and assembly == "facet" else Form
+        if missing := Missing(form, contract):
+            raise ProblemError(f"method {self.method.name} makes {Short(form)}, which has no {', '.join(missing)}; return an "
+                               f"object as contracts.{contract.__name__} describes it")
+        return form
 
     def Add(self, form: Any) -> DiscreteProblem:
         """Add a BilinearForm or a LinearForm on `space` to B_h or to f, before anything is solved; returns the Discretization.
@@ -144,6 +153,7 @@ class DiscreteProblem(LinearEquations):
         self.restraints.Check()
         with Threads(self.mesh):
             matrix = self.form.Matrix()
+            self._CheckForm(matrix, "Matrix()", 2)
             if self.added.matrix is not None:
                 matrix = Native(Csr(matrix) + self.added.matrix)
             if not np.all(np.isfinite(matrix.AsVector().FV().NumPy())):
@@ -154,6 +164,12 @@ class DiscreteProblem(LinearEquations):
             else:
                 CheckCoercivity(self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
         return matrix
+
+    def _CheckForm(self, part: Any, name: str, axes: int) -> None:
+        """What the form gives is as large as the space."""
+        found, wanted = getattr(part, "shape", None), (self.space.ndof,) * axes
+        if found != wanted:
+            raise ProblemError(f"the form of method {self.method.name} gives {name} of shape {found}; its space has {wanted}")
 
     @Frozen
     def restraints(self) -> Restraints:
@@ -189,7 +205,9 @@ class DiscreteProblem(LinearEquations):
             loads["traction", region] = Coefficients(OnFacets(problem, "traction", region, self.mesh) * v * measure)
         if self.added.load is not None:
             loads["added", None] = self.added.load
-        loads |= {("prescribed", region): load for region, load in self.form.Prescribed().items()}
+        for region, load in self.form.Prescribed().items():
+            self._CheckForm(load, f"Prescribed()[{region!r}]", 1)
+            loads["prescribed", region] = load
         for (kind, region), load in loads.items():
             if not np.all(np.isfinite(load)):
                 name = f"{kind}[{region!r}]" if region else kind

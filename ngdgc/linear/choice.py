@@ -52,8 +52,8 @@ def Chosen(disc: Any, wanted: str | Inverter) -> Inverter:
     if (symmetric or iterates) and not disc.symmetric:
         raise ProblemError(f"inverse={name!r} is for symmetric matrices, and this form is not; take inverse='auto'")
     if iterates and not disc.method.iterative:
-        raise ProblemError(f"inverse={name!r} is for discontinuous methods, and {disc.method.name} is continuous; take "
-                           "inverse='auto'")
+        raise ProblemError(f"inverse={name!r} is for discontinuous methods that conjugate gradients solve, and "
+                           f"{disc.method.name} is none; take inverse='auto'")
     if name == "pardisospd" and not HasPardiso():
         raise ProblemError("inverse='pardisospd' needs the library MKL and NGSolve 6.2.2608 or newer; install them, "
                            "pip install --upgrade ngdgc[mkl] ngsolve, or take inverse='auto'")

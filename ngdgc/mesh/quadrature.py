@@ -14,7 +14,6 @@ from .checks import Sides
 from .facets import REFERENCE_VERTICES, TYPES, Coordinates, Facets
 
 SAME = 1e-9     # distance of two points that are one, relative to the largest coordinate
-BOUNDARY_TYPES = {2: (SEGM,), 3: (TRIG, QUAD)}
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class BoundaryQuadrature:
         Raises ProblemError for boundary elements that are curved otherwise than the elements.
         """
         mesh, dim = facets.mesh, facets.mesh.dim
-        rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in BOUNDARY_TYPES[dim]}
+        rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in TYPES[dim - 1].values()}
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))          # n; the q points of an element in a row
         points = points[Sides(facets, region)[points["nr"]]]
         jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)        # n i m

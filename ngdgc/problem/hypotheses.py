@@ -1,6 +1,6 @@
 """What the theory asks of contact laws, (2.13) of Xiao, Wang, Han 2018, and what a law's own derivatives must be.
 
-A law is any object with the methods of `foundation.ComplianceLaw` or `foundation.FrictionLaw`; nothing else is used here.
+A law is any object with the methods of `laws.ComplianceLaw` or `laws.FrictionLaw`; nothing else is used here.
 """
 
 from __future__ import annotations

@@ -26,8 +26,7 @@ from ngsolve import IntegrationRule, Mesh
 
 from ..contracts import Array
 from ..exceptions import ProblemError
-from ..mesh.facets import Coordinates, SecondOrder, VolumePoints
-from ..mesh.quadrature import BOUNDARY_TYPES
+from ..mesh.facets import TYPES, Coordinates, SecondOrder, VolumePoints
 
 FORMAT = 1
 FILES = EXACT, MESH, FIELDS, WORDS = "mesh.vol.bin", "mesh.vol.gz", "fields.npz", "solution.json"
@@ -183,6 +182,6 @@ def _Same(mesh: Mesh, found: Mesh) -> bool:
 def _Points(mesh: Mesh) -> Array:
     """Points in all elements and on all boundaries that tell curved elements of its order apart, (n, d)."""
     order = 2 * mesh.GetCurveOrder()
-    rules = {et: IntegrationRule(et, order) for et in BOUNDARY_TYPES[mesh.dim]}
+    rules = {et: IntegrationRule(et, order) for et in TYPES[mesh.dim - 1].values()}
     sides = mesh.MapToAllElements(rules, mesh.Boundaries(".*"))
     return np.concatenate([np.asarray(Coordinates(mesh.dim)(points)) for points in (VolumePoints(mesh, order), sides)])

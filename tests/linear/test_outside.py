@@ -10,7 +10,7 @@ from scipy.sparse.linalg import splu
 
 from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, NotConvergedError, ProblemError,
-                   SemismoothNewtonSolver, TrescaFriction, UzawaSolver)
+                   SemismoothNewtonSolver, TrescaFriction, UzawaSolver, WeaklyOverPenalised)
 from ngdgc.linear.conjugategradients import ConjugateGradients, IterativeInverse
 from ngdgc.linear.factorisations import Operator
 from ngdgc.linear.motions import ProjectedMotions
@@ -123,8 +123,10 @@ def test_an_iteration_from_outside_is_asked_for_no_more_than_is_needed():
     assert Distance(theirs, ours) < 1e-7 and Distance(stubborn, ours) < 1e-9
     # Contact is solved in a subspace, with few solutions in V_h; one that does not say that it iterates needs more.
     assert 0 < theirs.disc.solves < stubborn.disc.solves / 2 and theirs.disc.cycles > 0 == stubborn.disc.cycles
-    with pytest.raises(ProblemError, match="inverse='Steepest' is for discontinuous methods, and H1 is continuous"):
+    with pytest.raises(ProblemError, match="inverse='Steepest' is for discontinuous methods .* and H1 is none"):
         Disc(Steepest, Conforming()).Solve()
+    with pytest.raises(ProblemError, match="and WOPSIP is none"):       # and not continuous either
+        Disc("iterative", WeaklyOverPenalised(), mesh, dim=3).Solve()
 
 
 def test_a_preconditioner_from_outside():

@@ -1,22 +1,15 @@
 """Mistakes with estimates of errors, as in `mistakes`."""
 
 from bodies import Pyramids, Ring
-from mistakes import Disc
+from mistakes import Disc, Giving
 from ngsolve import BilinearForm, GridFunction, VectorH1, dx
 from problems import Example
 
-from ngdgc import (LDG, Conforming, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, Solve, SolveAdaptive)
+from ngdgc import (LDG, Conforming, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, NormalCompliance,
+                   Solve, SolveAdaptive)
 from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh
-
-
-class Symbolic(InteriorPenalty):
-    """A method of a user's own, whose form has no blocks on facets."""
-
-    def Form(self, problem, facets, space, order, assembly):
-        return super().Form(problem, facets, space, order, "skeleton")
 
 
 def _Unconverged():
@@ -81,7 +74,7 @@ ESTIMATES = [
     (lambda _: EstimateError(_Unconverged()), "the solution has not converged | in equilibrium | give one that has"),
     (lambda _: EstimateError(Solve(Disc(Conforming()))),
      "method H1 has no numerical flux | balances | take a discontinuous one"),
-    (lambda _: EstimateError(Solve(Disc(Symbolic()))), "method IP has a form of its own | FacetForm | as all methods"),
+    (lambda _: EstimateError(Solve(Disc(Giving()))), "method IP has a form of its own | FacetForm | as all methods"),
     (lambda _: EstimateError(_Pyramids()), "the mesh has pyramids | no equilibrated stress | take another mesh"),
     (lambda _: EstimateError(Sprung()), "forms were added | the numerical flux | without them"),
     (lambda _: ResidualEstimate(Disc()), "solution is Discretization(IP | a ContactSolution, which Solve(disc) returns | give"),

@@ -89,7 +89,7 @@ SOLVERS = [
     # Inverses.
     (lambda _: Disc(inverse="lu").inversekind, "inverse is 'lu' | auto, sparsecholesky | choose"),
     (lambda _: Disc(Conforming(), inverse="iterative").inversekind,
-     "inverse='iterative' is for discontinuous methods | H1 is continuous | take inverse='auto'"),
+     "inverse='iterative' is for discontinuous methods | H1 is none | take inverse='auto'"),
     (lambda _: Disc().Response(np.ones(3)), "traction has shape (3,) | at the contact points | give one"),
     (lambda _: Disc().Multiply(np.ones(3)), "a vector of shape (3,) is given | coefficients of a function in the space | give"),
     (lambda _: Nonsymmetric().inversekind, "inverse='sparsecholesky' | is for symmetric matrices | take inverse='auto'"),

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from typing import cast
 
 from ...contact.equilibrium import Equilibrium
 from ...contact.graph import GraphPoint
@@ -49,7 +50,8 @@ class CorrectedRun:
         self.run = NewtonRun(Subspace(disc), start, tol)
 
     def Iterates(self) -> Iterator[Equilibrium]:
-        subspace, goal, response = self.run.setting.disc, max(FIRST, self.tol), None
+        subspace, goal = cast(Subspace, self.run.setting.disc), max(FIRST, self.tol)
+        response: ContactResponse | None = None
         states = self.run.States(goal)
         yield _Whole(subspace, next(states))
         while (state := self._Reach(states, goal)) is not None:

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import islice
-from typing import Any
 
 from ...contact.equilibrium import Equilibrium
-from ...contracts import Array
+from ...contracts import Array, LinearProblem
 from ...discrete.response import ContactResponse
 from .continuation import RaiseLoad
 from .diagnosis import Diagnose
@@ -34,7 +33,7 @@ class NewtonRun:
     record : what has been done;  reached : part of the load up to which it was raised in steps
     """
 
-    def __init__(self, disc: Any, start: tuple[Array, Array] | None, tol: float) -> None:
+    def __init__(self, disc: LinearProblem, start: tuple[Array, Array] | None, tol: float) -> None:
         setting, self.given, self.tol = Setting.Of(disc), start is not None, tol
         self.start = setting.graph.At(setting.Rest() if start is None else setting.graph.Coordinates(*start))
         self.body = StiffenedBody.At(setting, self.start, predicted=self.given)
@@ -64,7 +63,7 @@ class NewtonRun:
             if found is not None:
                 yield from self._Newton(self.record.Begin(found), tol, PATIENCE)
 
-    def Resume(self, disc: Any, tol: float, *, renew: bool) -> Iterator[NewtonState]:
+    def Resume(self, disc: LinearProblem, tol: float, *, renew: bool) -> Iterator[NewtonState]:
         """States from the last one on, for a problem with another right-hand side and the same matrix, nothing else.
 
         renew : put the stiffness of the law at that point into the matrix first

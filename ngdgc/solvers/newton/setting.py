@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
+from ...contact.boundary import ContactBoundary
 from ...contact.graph import ContactGraph, GraphPoint
 from ...contact.stiffness import CAP, BodyStiffness, LawStiffness
-from ...contracts import Array
+from ...contracts import Array, LinearProblem
 from .holding import Holding
 from .pathfollowing import FEW
 
@@ -26,19 +26,19 @@ class Setting:
     holding : how the foundation holds a body that nothing else holds, else None
     """
 
-    disc: Any
+    disc: LinearProblem
     scale: Array
     graph: ContactGraph
     holding: Holding | None
 
     @classmethod
-    def Of(cls, disc: Any) -> Setting:
+    def Of(cls, disc: LinearProblem) -> Setting:
         scale = BodyStiffness(disc)
         return cls(disc=disc, scale=scale, graph=ContactGraph(disc.contact, scale),
                    holding=Holding(disc, scale) if disc.unresisted else None)
 
     @property
-    def contact(self) -> Any:
+    def contact(self) -> ContactBoundary:
         return self.disc.contact
 
     @property

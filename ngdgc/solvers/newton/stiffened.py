@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
 from ...contact.equilibrium import Equilibrium
 from ...contact.graph import GraphPoint, Scales
-from ...contracts import Array
+from ...contracts import Array, LinearProblem
 from ...discrete.response import Apply, ContactResponse
 from .pointwise import PointwiseEquation
 from .recycling import Recycled
@@ -83,7 +82,7 @@ class StiffenedBody:
         """With the stiffness of the law at another point, where contact is predicted."""
         return self.At(self.setting, point, predicted=True, before=self)
 
-    def Moved(self, disc: Any) -> StiffenedBody:
+    def Moved(self, disc: LinearProblem) -> StiffenedBody:
         """The same matrix for a problem with another right-hand side."""
         response = self.response.Moved(disc)
         return replace(self, setting=replace(self.setting, disc=disc), response=response, recycled=self.recycled.With(response))

@@ -9,6 +9,7 @@ from ngsolve.comp import GridFunctionCoefficientFunction
 
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
+from ..tools.formula import Plain
 from .inside import Parts
 
 AXES = (x, y, z)
@@ -50,7 +51,7 @@ def Derivative(value: Any, axis: int, name: str = "the function") -> Any:
 
 def _Functions(value: Any, name: str) -> list[CoefficientFunction]:
     """The different GridFunctions, or operators of GridFunctions, in the tree of a CoefficientFunction."""
-    seen, waiting = {}, [value]
+    seen, waiting = {}, [] if Plain(value) else [value]
     while waiting:
         node = waiting.pop()
         if node is None or node in seen:

@@ -16,7 +16,7 @@ from ..data.coefficients import Pointwise
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
 from ..tools.values import Integer, PositiveNumber
-from .userlaws import CheckPointwise, Watched
+from .userlaws import CheckPointwise, Each, Watched
 
 SCALES = np.logspace(-6, 0, 25)     # of penetration, pressure and slip at which derivatives are compared
 MIXED = SCALES[::4]     # of these a law is asked at once and one by one
@@ -33,7 +33,7 @@ def BoundDerivatives(law: Friction, r: Array, p: Array) -> tuple[Array, Array]:
     """(d Bound/dr, d Bound/dp) of a friction law at points, two arrays (npoints,)."""
     if hasattr(law, "BoundDerivatives"):
         byr, byp = law.BoundDerivatives(r, p)
-        return np.broadcast_to(byr, np.shape(r)), np.broadcast_to(byp, np.shape(r))
+        return Each(byr, np.shape(r)), Each(byp, np.shape(r))
     bound, derivatives = law.Bound(r, p), []
     for values, shifted in ((r, lambda h: law.Bound(r + h, p)), (p, lambda h: law.Bound(r, p + h))):
         h = 1e-7 * np.maximum(np.abs(values), 1e-8 * (np.abs(values).max(initial=0) or 1))
@@ -46,7 +46,7 @@ def SlipFactor(law: Friction, slip: Array) -> tuple[Array, Array]:
     if not hasattr(law, "Coefficient"):
         return np.ones_like(slip), np.zeros_like(slip)
     factor, derivative = law.Coefficient(slip)
-    return np.broadcast_to(factor, np.shape(slip)), np.broadcast_to(derivative, np.shape(slip))
+    return Each(factor, np.shape(slip)), Each(derivative, np.shape(slip))
 
 
 def CheckCompliance(law: Compliance, npoints: int, name: str) -> None:
@@ -117,8 +117,8 @@ def _Differs(Value: Function, Derivative: Function, at: Array) -> bool:
     h = STEP * at
     # A law may overflow, or not be defined, at arguments that never occur.
     with np.errstate(all="ignore"):
-        value, forward, backward = (np.broadcast_to(Value(shifted), at.shape) for shifted in (at, at + h, at - h))
-        derivative = np.broadcast_to(Derivative(at), at.shape)
+        value, forward, backward = (Each(Value(shifted), at.shape) for shifted in (at, at + h, at - h))
+        derivative = Each(Derivative(at), at.shape)
         slope = (forward - backward) / (2 * h)
         scale = np.abs(value) / at + np.abs(slope)
         # Where the one-sided differences disagree the law has a kink or a jump, and any value will do.

@@ -84,7 +84,13 @@ def _Values(result: Any, shape: tuple[int, ...], words: str) -> Array:
     if values.shape not in ((), shape):
         raise ProblemError(f"{words} returns shape {values.shape} for arguments of shape {shape}; give one value per point, an "
                            "array (npoints,)")
-    return np.array(np.broadcast_to(values, shape), dtype=float)
+    return np.array(Each(values, shape), dtype=float)
+
+
+def Each(values: Any, shape: tuple[int, ...]) -> Array:
+    """What a law returns at points, or once for all, as one value at each, (npoints,)."""
+    # NumPy takes longer than most laws to see that there is nothing to do.
+    return values if np.shape(values) == shape else np.broadcast_to(values, shape)
 
 
 def _Kind(result: Any) -> str:

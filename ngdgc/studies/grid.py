@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from itertools import product
 
 from ngsolve import CF, x
@@ -40,20 +40,23 @@ def Grid(geometries: Sequence[str] | None = None, *, everything: bool = False) -
     known = (*CASES, *CELLS)
     geometries = [Known(geometry, known, what="geometry") for geometry in geometries or known]
     coefficients, stiffnesses, sizes = EVERYTHING if everything else PART
+    problem = cache(_Problem)   # one for all sizes
     points = product(geometries, sizes, stiffnesses, coefficients)
-    return [(number, _Sample(geometry, *size, stiffness, coefficient))
+    return [(number, _Sample(problem(geometry, stiffness, coefficient), geometry, *size, stiffness, coefficient))
             for number, (geometry, size, stiffness, coefficient) in enumerate(points)]
 
 
-def _Sample(geometry: str, n: int, order: int, stiffness: float, coefficient: float) -> Sample:
-    if geometry in CASES:
-        case = CASES[geometry]
-        problem, mesh = case.Problem(), partial(case.Mesh, n)
-        law = NormalCompliance(stiffness * (2000 if case is example_4_1 else 2500))
-        problem = replace(problem, foundation=replace(problem.foundation[0], compliance=law,
-                                                      friction=CoulombFriction(coefficient)))
-    else:
-        problem, mesh = Block(stiffness, coefficient), partial(BodyMesh, n, CELLS[geometry], order)
+def _Problem(geometry: str, stiffness: float, coefficient: float) -> ContactProblem:
+    if geometry not in CASES:
+        return Block(stiffness, coefficient)
+    case = CASES[geometry]
+    problem = case.Problem()
+    law = NormalCompliance(stiffness * (2000 if case is example_4_1 else 2500))
+    return replace(problem, foundation=replace(problem.foundation[0], compliance=law, friction=CoulombFriction(coefficient)))
+
+
+def _Sample(problem: ContactProblem, geometry: str, n: int, order: int, stiffness: float, coefficient: float) -> Sample:
+    mesh = partial(CASES[geometry].Mesh, n) if geometry in CASES else partial(BodyMesh, n, CELLS[geometry], order)
     words = f"{geometry} k={order} n={n} k_n={stiffness:.0e} coulomb {coefficient:g}"
     return Sample(problem, InteriorPenalty(), mesh, n, order, "coulomb", stiffness, coefficient, words)
 

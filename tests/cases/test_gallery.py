@@ -13,6 +13,7 @@ from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactSolution, Disc
 from ngdgc.cases import (curved_body, greco_plate, hertz_line, hertz_sphere, load_steps, machine_part, pressed_block,
                          rubber_pad, rubber_pad_3d, slip_weakening, step_part, two_materials, wavy_foundation)
 from ngdgc.commands.casefiles import CaseFiles, LoadCase
+from ngdgc.solvers import nested
 
 SOLID = {"hertz_sphere", "machine_part", "rubber_pad_3d", "step_part"}
 TWO = [InteriorPenalty(), Conforming()]
@@ -28,12 +29,24 @@ def Case(name):
     return case
 
 
+def Once(Coarser):
+    """The function that makes a coarser mesh, which for the same one gives the same one."""
+    made = {}
+
+    def Make(mesh, factor):
+        if (id(mesh), factor) not in made:
+            made[id(mesh), factor] = Coarser(mesh, factor), mesh        # kept, so that no other gets its number
+        return made[id(mesh), factor][0]
+    return Make
+
+
 @pytest.fixture(scope="module", autouse=True)
 def meshes():
-    """Those of solids are made once, for all tests."""
+    """Those of solids are made once, for all tests, and the coarser ones that predict: Netgen takes longer than the solvers."""
     with pytest.MonkeyPatch.context() as patch:
         for case in (hertz_sphere, machine_part, rubber_pad_3d, step_part):
             patch.setattr(case, "Mesh", cache(case.Mesh))
+        patch.setattr(nested, "CoarserMesh", Once(nested.CoarserMesh))
         yield
 
 

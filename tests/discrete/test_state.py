@@ -4,8 +4,8 @@ from threading import Thread
 
 import numpy as np
 import pytest
-from ngsolve import (CF, H1, BilinearForm, BoundaryFromVolumeCF, GridFunction, IfPos, LinearForm, Parameter, VectorH1, dx, grad,
-                     specialcf, x, y)
+from ngsolve import (CF, H1, BilinearForm, BoundaryFromVolumeCF, GridFunction, Id, IfPos, LinearForm, Parameter, Sym, Trace,
+                     VectorH1, dx, grad, specialcf, x, y)
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance, NotConvergedError, ProblemError,
@@ -248,9 +248,16 @@ def test_what_is_printed_tells_numbers_and_coordinates_from_the_rest():
     """The quick look that spares taking functions apart takes none as plain that may change, or has another value inside."""
     mesh, a = RectangleMesh(2), Parameter(2.0)
     field = GridFunction(H1(mesh))
-    for function in (CF((0.05, -0.1)), IfPos(x - 0.5, 1, 0), x ** 2 / 3 - y, CF((0, 0)), 1e-30 * x, CF(float("nan"))):
+    def Tensors(one):
+        """Operations that a stress, and its divergence, are made of."""
+        matrix = CF((one, x, y, one), dims=(2, 2))
+        return (matrix.trans, Sym(matrix), Trace(matrix) * Id(2), matrix * matrix, matrix * CF((x, y)), matrix[0, :],
+                CF((one, x)) * one, (one * matrix)[0, 0].Diff(x, x * y + one))
+
+    for function in (CF((0.05, -0.1)), IfPos(x - 0.5, 1, 0), x ** 2 / 3 - y, CF((0, 0)), 1e-30 * x, CF(float("nan")),
+                     *Tensors(x * y)):
         assert Plain(function)
     for function in (a * x, field, CF((x, 2 * field)), grad(field)[0], specialcf.normal(2), mesh.MaterialCF({".*": 1}),
                      IfPos(a, x, y), mesh.BoundaryCF({"left": 1}), (x * x).Compile(), specialcf.mesh_size,
-                     BoundaryFromVolumeCF(x)):
+                     BoundaryFromVolumeCF(x), *Tensors(a * x), *Tensors(field), *Tensors(specialcf.normal(2)[0])):
         assert not Plain(function)

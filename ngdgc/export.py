@@ -50,7 +50,9 @@ CONTROLS = """<div class="unit">|u| [length]</div>
   time.value = last;
   const show = () => {{
     const t = Number(time.value), i = Math.min(Math.floor(t), Math.max(last - 1, 0));
-    if (last > 0) scene.interpolateRenderData(states[i], states[i + 1], t - i);
+    // States that are not blended may be on different meshes.
+    if (!smooth) scene.setRenderData(states[t]);
+    else if (last > 0) scene.interpolateRenderData(states[i], states[i + 1], t - i);
     document.getElementById("label").textContent = smooth ? "deformation x " + (t * render_data.ngdgc.scale).toPrecision(3)
                                                           : labels[t];
   }};
@@ -111,10 +113,11 @@ class Scene:
 
 @ByKeyword
 class Animation(Scene):
-    """A list of solutions, for example of load steps, one after the other in NGSolve's viewer, as a `Scene`.
+    """A list of solutions, of load steps or on adaptive meshes, one after the other in NGSolve's viewer, as a `Scene`.
 
     The solutions have the same order and dimension; colours and camera are the same for all.  A button plays them, a slider
-    goes to any of them, and at first the last one is shown.
+    goes to any of them, and at first the last one is shown.  Animation([*solution.earlier, solution]) is how `SolveAdaptive`
+    came to its solution.
     """
 
     def __init__(self, solutions: Sequence[ContactSolution], *, scale: float = 1) -> None:
@@ -131,8 +134,10 @@ class Animation(Scene):
 
     def Page(self) -> str:
         states = [_State(solution, self.scale, self.solutions) for solution in self.solutions]
-        labels = [f"step {number} of {len(states)}, max |u| = {state['funcmax']:.3g}, deformation x {self.scale:g}"
-                  for number, state in enumerate(states, start=1)]
+        meshes = [solution.disc.mesh.ne for solution in self.solutions]
+        sizes = [f", {elements} elements" if len(set(meshes)) > 1 else "" for elements in meshes]
+        labels = [f"step {number} of {len(states)}{size}, max |u| = {state['funcmax']:.3g}, deformation x {self.scale:g}"
+                  for number, (state, size) in enumerate(zip(states, sizes), start=1)]
         return _Page(states, self.solution, self.scale, labels)
 
 

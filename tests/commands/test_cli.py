@@ -46,6 +46,18 @@ def test_run_leaves_everything(tmp_path):
 
 
 @pytest.mark.slow
+def test_an_error_is_reached_on_meshes_that_follow_from_it(quick, tmp_path, capsys):
+    """What is kept comes back on the refined mesh."""
+    assert Main(["run", "example_4_1", *"--n 2 --order 2 --error 0.1 --tol 1e-6".split(), "--out", str(tmp_path)]) == 0
+    shown, levels = capsys.readouterr().out, json.loads((tmp_path / "report.json").read_text())["levels"]
+    assert len(levels) > 1 and levels[-1]["error"] <= 0.1 < levels[-2]["error"] and levels[0]["elements"] == 8
+    assert shown.count("unknowns: estimated error") == len(levels) and f"estimated error {levels[-1]['error']:.2g}" in shown
+    loaded = ContactSolution.Load(tmp_path / "solution", example_4_1.Problem())
+    assert loaded.disc.mesh.ne == levels[-1]["elements"] and [level.error for level in loaded.levels] == [
+        level["error"] for level in levels]
+
+
+@pytest.mark.slow
 def test_every_option_reaches_the_solution(tmp_path, capsys):
     assert Main(["run", "example_4_1", *"--method ldg --form lifting --penalty 0.5 --n 2".split(), "--out", str(tmp_path)]) == 0
     assert json.loads((tmp_path / "report.json").read_text())["options"] == "LDG(penalty=0.5, form='lifting')"

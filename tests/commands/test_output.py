@@ -15,7 +15,7 @@ from ngdgc import SolveInterrupted, UzawaSolver
 from ngdgc.commands import output
 from ngdgc.cases import example_4_1
 from ngdgc.commands.output import EVERY, FIRST, Progress
-from ngdgc.solution.history import Prediction, Step
+from ngdgc.solution.history import Level, Prediction, Step
 
 NUMBER = re.compile(r"iteration +(\d+) ")
 
@@ -110,6 +110,20 @@ def test_a_log_gets_every_tenth_line_at_once(tmp_path):
     text = (tmp_path / "log").read_text()
     assert Shown(text) == [1, 10, 20, 30, 35] and "\x1b" not in text and "\r" not in text
     assert all(f"{0.5**number:9.2e}" in line for number, line in zip((1, 10, 20, 30, 35), text.splitlines()))
+
+
+def test_meshes_of_an_adaptive_run_have_lines_of_their_own(monkeypatch):
+    """Below the last iteration on them; that of the next mesh rewrites none."""
+    monkeypatch.setenv("TERM", "xterm")
+    stream = Terminal()
+    progress = Progress(stream)
+    for dofs in (24, 48):
+        Follow(progress, Steps(3))
+        progress.Reached(Level(8, dofs, 4, 3, 9, 0, 0.1, 0.2, error=2.4 / dofs))
+    rows = Screen(200).Feed(stream.getvalue()).rows
+    words = [row.split() for row in rows[:-1]]
+    assert [" ".join(row[:2]) for row in words] == ["iteration 3", "24 unknowns:", "iteration 3", "48 unknowns:"]
+    assert rows[1].endswith("estimated error 0.1") and rows[3].endswith("estimated error 0.05")
 
 
 @pytest.fixture

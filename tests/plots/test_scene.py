@@ -79,6 +79,17 @@ def test_load_steps_share_colours_and_camera(steps):
     assert np.array_equal(Corners(data), Corners(states[-1])) and not data["ngdgc"]["smooth"]
 
 
+def test_states_on_different_meshes_are_not_blended():
+    """Each has its own elements, which the labels count; those of load steps on one mesh do not."""
+    meshes = [example_4_2.Main(n=n) for n in (2, 3)]
+    page = Animation(meshes).Page()
+    data = Given(page)["ngdgc"]
+    assert [len(Corners(state)) for state in data["states"]] == [8, 18]
+    assert [label.split(", ")[1] for label in data["labels"]] == ["8 elements", "18 elements"]
+    assert "if (!smooth) scene.setRenderData(states[t]);" in page
+    assert "elements" not in Given(Animation([meshes[0], meshes[0]]).Page())["ngdgc"]["labels"][0]
+
+
 def test_solids_are_drawn_by_their_surface():
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(100)),
                              dirichlet={"top": CF((0.05, 0.02, -0.02))})

@@ -245,6 +245,9 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     # Solvers.
     "disc": lambda s: s.disc,
     "maxiter": lambda s: int(s.rng.integers(50, 2000)),
+    "SolveAdaptive.tol": lambda s: s.rng.uniform(0.2, 0.5),
+    "goal": lambda s: "energy",
+    "most": lambda s: 3000,
     "normal": lambda s: s.Choose("explicit", "implicit"),
     "acceleration": lambda s: s.Choose(None, "anderson"),
     "coarser": lambda s: s.Choose(None, (), [UnitMesh(1, s.cells)]),

@@ -278,6 +278,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "path": lambda s: str(s.folder / "file.html"),
     "ContactFigure.slip": lambda s: s.Choose(True, False),
     "stress": lambda s: s.solution.stress,
+    "estimate": lambda s: None,
     # Exact solutions and errors.
     "dim": lambda s: s.dim,
     "u": lambda s: CF((x, 0, 0)[:s.dim]),

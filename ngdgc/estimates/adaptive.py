@@ -20,8 +20,8 @@ from ..solvers.nested import FromPrediction, LevelOf, NestedNewtonSolver, Transf
 from ..solvers.newton.solver import SemismoothNewtonSolver
 from ..tools.calls import ByKeyword
 from ..tools.values import Integer, PositiveNumber
-from .goals import Goal, Measured
 from .marking import Marked
+from .measures import Measure, Measured
 from .refine import CheckRefinable, Refined
 
 MOST = 2_000_000    # unknowns
@@ -69,7 +69,7 @@ def Adapt(disc: Discretization, *, tol: float, goal: Any, most: int, callback: A
     most = Integer(most, "most", "give the largest number of unknowns, a positive integer")
     CheckCallback(callback)
     words = f"SolveAdaptive(order={disc.order}, tol={tol:g}, goal={goal!r})"
-    run = _Run(tol=tol, law=law, Measure=Goal(goal), most=most, callback=callback, words=words)
+    run = _Run(tol=tol, law=law, Measure=Measure(goal), most=most, callback=callback, words=words)
     CheckRefinable(disc.mesh)
     reached = run.First(disc)
     while reached.measured.error > tol:
@@ -130,8 +130,9 @@ class _Run:
 
     def _Finer(self, before: _Reached) -> Discretization:
         """The problem on the next mesh."""
-        solution, old = before.solution, before.solution.disc
-        mesh = Refined(old.mesh, Marked(solution, before.measured.indicators, self.tol / before.measured.error))
+        old, measured = before.solution.disc, before.measured
+        excess = 1 - (self.tol / measured.error) ** measured.power
+        mesh = Refined(old.mesh, Marked(measured.indicators, excess))
         disc = Discretization(old.problem, old.method, mesh, order=old.order, assembly=old.assembly, inverse=old.wanted)
         if disc.space.ndof > self.most:
             raise ProblemError(f"the next mesh has {disc.space.ndof}, more than most={self.most}; give a larger most, a higher "

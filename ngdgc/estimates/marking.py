@@ -5,18 +5,17 @@ from __future__ import annotations
 import numpy as np
 
 from ..contracts import Array
-from ..solution.solution import ContactSolution
 
-SHARE = 0.6     # of the squared error: larger ones need fewer meshes and more unknowns
-AIM = 1.2       # of the squared error that is too much: refined elements keep some of theirs
+SHARE = 0.6     # of the indicators: larger ones need fewer meshes and more unknowns
+AIM = 1.2       # of what is too much of them: refined elements keep some of theirs
 
 
-def Marked(solution: ContactSolution, indicators: Array, wanted: float) -> Array:
-    """A mask of the elements to be refined, from their shares of the squared error, (elements,) >= 0.
+def Marked(indicators: Array, excess: float) -> Array:
+    """A mask of the elements to be refined, from their indicators (elements,) >= 0.
 
-    wanted : error to be reached, relative to the present one.  Near the end fewer are marked, so that it is met and no more
+    excess : part of the sum that is too much.  Near the end fewer are marked, so that what is wanted is met and no more
     """
-    return Fewest(indicators, min(SHARE, AIM * (1 - wanted ** 2)))
+    return Fewest(indicators, min(SHARE, AIM * excess))
 
 
 def Fewest(indicators: Array, share: float) -> Array:

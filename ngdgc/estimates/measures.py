@@ -16,14 +16,19 @@ from .residual import ResidualEstimate
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Measured:
-    """error : relative, no unit;  indicators : (elements,) >= 0;  estimate : what tells more, for `solution.estimate`"""
+    """How far a solution is from a goal.
+
+    error : relative, no unit;  indicators : (elements,) >= 0, whose sum goes with error^power
+    estimate : what tells more, for `solution.estimate`
+    """
 
     error: float
     indicators: Array
+    power: int
     estimate: Any
 
 
-def Goal(goal: Any) -> Callable[[ContactSolution], Measured]:
+def Measure(goal: Any) -> Callable[[ContactSolution], Measured]:
     """The function that measures how far a solution is from a goal; ProblemError for a goal that there is not."""
     if goal != "energy":
         raise ProblemError(f"goal is {goal!r}; what can be made accurate is 'energy', the error in the energy norm: give that")
@@ -35,4 +40,4 @@ def Energy(solution: ContactSolution) -> Measured:
     disc = solution.disc
     equilibrated = disc.method.conservative and isinstance(disc.facetform, FacetForm)
     estimate = EstimateError(solution) if equilibrated else ResidualEstimate(solution)
-    return Measured(error=estimate.relative, indicators=estimate.indicators, estimate=estimate)
+    return Measured(error=estimate.relative, indicators=estimate.indicators, power=2, estimate=estimate)

@@ -20,6 +20,7 @@ from .commands.bench import AddBench
 from .commands.casefiles import CaseFiles, Compared, LoadCase
 from .commands.compare import AddCompare
 from .commands.console import Console
+from .commands.effectivity import AddEffectivity
 from .commands.files import Files
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
@@ -112,6 +113,7 @@ def _Parser() -> _OneLine:
     AddBench(commands)
     AddCompare(commands)
     AddAttack(commands)
+    AddEffectivity(commands)
     _AddStability(commands)
     return parser
 

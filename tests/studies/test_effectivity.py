@@ -24,8 +24,8 @@ def test_difference_from_a_fine_solution_is_the_error():
     coarse = Solve(Discretization(exact.problem, LDG(), RectangleMesh(3), order=1))
     fine = Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(6), order=3))
     # The fine one has a thousandth of the error.
-    assert Difference(fine, coarse) == pytest.approx(EnergyError(coarse, exact.displacement), rel=2e-3)
-    assert Difference(coarse, coarse) < 1e-12 < Difference(fine, fine) + 1e-11
+    assert Difference(fine, coarse) == pytest.approx(EnergyError(coarse, exact.displacement), rel=1e-4)
+    assert Difference(coarse, coarse) < 1e-7        # round-off, before the root
 
 
 @pytest.mark.slow

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import fields
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -31,7 +32,12 @@ def Plain(function: Any) -> bool:
     (True, False)
     """
     # A large function repeats its lines: a derivative has hundreds of kinds in ten thousand.
-    return not any(PLAIN.sub("", line) for line in set(str(function).split("\n")))
+    return all(map(_PlainLine, set(str(function).split("\n"))))
+
+
+@lru_cache(4096)
+def _PlainLine(line: str) -> bool:
+    return not PLAIN.sub("", line)
 
 
 def Formula(function: Any) -> str:

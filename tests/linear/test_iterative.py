@@ -19,20 +19,25 @@ from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.linear.multigrid import PartlyContinuous, VCycle
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("n", [6, 10])
-def test_steps_do_not_grow_with_the_number_of_elements(n):
+def Most(n):
+    """The larger number of steps on a soft and on a stiff foundation."""
     disc = Block(BoxMesh(n))
-    for stiffness in (1, 1e3):
-        assert Steps(disc, WithContact(disc, stiffness)) <= 45
+    return max(Steps(disc, WithContact(disc, stiffness)) for stiffness in (1, 1e3))
 
 
-def test_without_the_coarse_space_it_takes_more_steps(monkeypatch):
-    # Negative control of the bound of 45: the smoother alone.
+@pytest.mark.slow
+def test_steps_do_not_grow_with_the_number_of_elements():
+    """From n = 4 to 10 they go to and fro between 29 and 46, where they would take 2.5 times as many if they grew like 1/h."""
+    few, more, most = (Most(n) for n in (4, 8, 10))
+    assert max(few, more, most) <= 50 and most <= 1.3 * few
+
+
+@pytest.mark.slow
+def test_without_the_coarse_space_they_do(monkeypatch):
+    """Negative control: the smoother alone takes ten times as many, and more than twice as many where h is halved."""
     monkeypatch.setattr(cycles.Aggregation, "Mult", lambda self, b, x: x.__setitem__(slice(None), 0))
-    disc = Block(BoxMesh(6))
-    with pytest.raises(ProblemError, match="in 90 steps"):
-        IterativeInverse(disc, disc.matrix, maxiter=90).Solve(disc.load)
+    few, more = (Steps(disc, disc.matrix, maxiter=3000) for disc in (Block(BoxMesh(n)) for n in (2, 4)))
+    assert few > 300 and more > 2 * few
 
 
 @pytest.mark.slow
@@ -65,7 +70,8 @@ def test_stretched_elements(extent, order):
 def test_continuous_functions_alone_miss_stretched_elements(monkeypatch):
     monkeypatch.setattr(cycles, "STRONG", 0.0)
     disc = Block(BoxMesh(6, upper=(10, 1, 1)))
-    assert Steps(disc, disc.matrix) > 150
+    with pytest.raises(ProblemError, match="in 150 steps"):
+        IterativeInverse(disc, disc.matrix, maxiter=150).Solve(disc.load)
 
 
 def test_auxiliary_space_of_shapely_elements_is_h1_and_reproduces_rigid_motions():

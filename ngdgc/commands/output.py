@@ -12,6 +12,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any, cast
 
+from ..exceptions import ProblemError
 from ..solution.history import Level, Prediction, Step
 from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
@@ -128,11 +129,24 @@ def _Display(Close: Callable[[], object]) -> Callable[[str, bool], None] | None:
     return Display
 
 
+def _Estimated(solution: ContactSolution) -> Any:
+    """The estimate of the error of a converged solution, or None where there is none, as with added forms."""
+    from ..estimates.measures import Energy
+
+    if not solution.converged:
+        return None
+    try:
+        return Energy(solution).estimate
+    except ProblemError:
+        return None
+
+
 def SaveResults(solution: ContactSolution, files: Files) -> None:
-    """Write what must not be lost to `files.Files`: the solution, the numbers and the report."""
+    """Write what must not be lost to `files.Files`: the solution, the numbers and the report, with an estimate of its error."""
     try:
         files.Write("solution/", solution.Save, precious=True)
     finally:        # also of what cannot be saved, such as a method of one's own
+        solution.estimate = solution.estimate or _Estimated(solution)
         files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
         files.Text("report.txt", solution.Report())
 
@@ -143,7 +157,7 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float = 1.0) 
     With another scale than 1 the deformed body is drawn at that scale too.
     """
     from ..export import WriteContactVTK, WriteHTML, WriteVTK
-    from ..plots import ContactFigure, DeformedFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
+    from ..plots import ContactFigure, DeformedFigure, ErrorFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
 
     files.Write("solution.html", partial(WriteHTML, solution, scale=scale))
     files.Write("solution.vtu", partial(WriteVTK, solution))
@@ -151,6 +165,8 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float = 1.0) 
     figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution),
                "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
                "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}
+    if solution.estimate is not None:
+        figures["error"] = lambda: ErrorFigure(solution, estimate=solution.estimate)
     if scale != 1:
         figures["deformed-scaled"] = lambda: DeformedFigure(solution, scale=scale)
     for name, Figure in figures.items():

@@ -26,6 +26,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
+from ngsolve import ET
 
 from ..contact.parts import ContactPart, OverParts
 from ..contracts import Array
@@ -38,7 +39,7 @@ from .symmetric import Split, Symmetrised
 PATCHES = 12            # of Gamma_C, for kappa
 LARGEST = 0.5           # q up to which the factor is given
 SHARP = 1e-10           # relative to the load: body forces that V_h contains
-SIMPLICES = {2: 3, 3: 4}
+SYMMETRIC = {ET.TRIG, ET.QUAD, ET.TET}
 
 
 def Bound(solution: Any) -> tuple[float | None, str]:
@@ -59,11 +60,10 @@ def Bound(solution: Any) -> tuple[float | None, str]:
 
 
 def _Refusal(disc: Any) -> str:
-    counts = (disc.facets.vertices >= 0).sum(axis=1)
-    if np.any(counts != SIMPLICES[disc.mesh.dim]):
-        return "no symmetric stress in equilibrium is known here on other cells than triangles and tetrahedra"
+    if {group.et for group in disc.facetform.operators.groups} - SYMMETRIC:
+        return "no symmetric stress in equilibrium is known here on hexahedra and prisms"
     if not all(group.uniform for group in disc.facetform.operators.groups):
-        return "the elements are curved, or the material varies in them"
+        return "the elements are curved or no parallelograms, or the material varies in them"
     return ""
 
 

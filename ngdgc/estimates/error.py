@@ -38,8 +38,8 @@ def EstimateError(solution: Any) -> ErrorEstimate:
         less of a shear than the other, the larger one counts for both
 
     For linear problems with s symmetric value is a bound (Prager and Synge).  No constant is chosen.  The cost is a small part
-    of that of the solution: no equation is solved.  `ErrorEstimate.bound` makes s symmetric on triangles and tetrahedra; with
-    friction that depends on the solution it takes some applications of A^-1.
+    of that of the solution: no equation is solved.  `ErrorEstimate.bound` makes s symmetric on triangles, parallelograms and
+    tetrahedra; with friction that depends on the solution it takes some applications of A^-1.
 
     Raises ProblemError if the solution has not converged; for H1, which has no numerical flux; for methods of your own that are
     no rows of facet operators; with forms that were added; for pyramids.

@@ -1,12 +1,12 @@
-"""The equilibrated stress of simplices made symmetric, without a change of its divergence or of its normal parts.
+"""The equilibrated stress of simplices and parallelograms made symmetric, its divergence and normal parts kept.
 
 With q_c = e_cij s_ij, the skew part of s, of mean 0 in every element, psi_c in H^1_0(K) with div psi_c = q_c, and
 
     Phi_ic = psi_c,i - delta_ic tr/2,  tr = sum_l psi_l,l;      tau_ij = e_jab d_a Phi_ib     (in the plane tau_i = curl psi_i)
 
-s + tau is symmetric, div tau = 0 and tau n = 0 on dK.  psi_c are piecewise polynomials of degree k + 2 on the split of K from
-its centre, where the divergence has a right inverse onto piecewise polynomials of mean 0; on the reference element it is the
-one of smallest gradient, a small matrix, which Piola's map carries to every K.
+s + tau is symmetric, div tau = 0 and tau n = 0 on dK.  psi_c are piecewise polynomials on the split of K from its centre, one
+degree above s, where the divergence has a right inverse onto polynomials of mean 0; on the reference element it is the one of
+smallest gradient, a small matrix, which Piola's map carries to every affine image K.
 
 Source: the identity is that of Arnold, Falk, Winther, Acta Numerica 15 (2006), section 11; the right inverse that of Guzman
 and Neilan, SIAM J. Numer. Anal. 56 (2018).
@@ -20,35 +20,39 @@ from typing import Any
 
 import numpy as np
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import L2, VOL, BilinearForm, ElementId, Grad, GridFunction, InnerProduct, IntegrationRule, Mesh, VectorH1, div, dx
+from ngsolve import (ET, L2, TET, TRIG, VOL, BilinearForm, ElementId, Grad, GridFunction, InnerProduct, IntegrationRule, Mesh,
+                     VectorH1, div, dx)
 
-from ..blocks.reference import Gradients, ReferenceElement
+from ..blocks.reference import FACETS, Gradients, ReferenceElement
 from ..contracts import Array
-from ..mesh.facets import Coordinates, Csr, Free
+from ..mesh.facets import REFERENCE_VERTICES, Coordinates, Csr, Free
 from .equilibrated import StressBatch
 
-DEGREES = 4     # of quadrature beyond 2 k, on every part of the split
+DEGREES = 2     # of quadrature beyond products of two components of s, on every part of the split
 
 
 class SplitElement:
-    """A reference simplex seen at the points of quadratures on the parts of its split from the centre.
+    """A reference cell seen at the points of quadratures on the simplices of its split from the centre.
 
     shape : the ReferenceElement, whose functions and order of vertices these are;  k : order
     points (q, 3), weights (q,), dv (q, m, a) : as those of a ReferenceElement;  mesh, dim : its
-    p (q, N) : orthonormal polynomials of degree k + 1;  inverse (q, m, t, N) : d psi_m/d xi_t, div psi = p - its mean
+    p (q, N) : orthonormal polynomials that contain the components of s
+    inverse (q, m, t, N) : d psi_m/d xi_t, div psi = p - its mean
     """
 
     def __init__(self, et: Any, order: int, shape: ReferenceElement) -> None:
         self.mesh, self.dim, self.facets = shape.mesh, shape.dim, shape.facets
-        split, degree = _Split(self.dim), 2 * order + DEGREES
-        rule = IntegrationRule(et, degree)
-        at = split.MapToAllElements({et: rule}, VOL)
+        exponents = [one for one in product(range(order + 2), repeat=self.dim) if et == ET.QUAD or sum(one) <= order + 1]
+        most = max(map(sum, exponents))
+        split, rule = _Split(et), IntegrationRule(TRIG if self.dim == 2 else TET, 2 * most + DEGREES)
+        at = split.MapToAllElements({TRIG if self.dim == 2 else TET: rule}, VOL)
         self.points = np.zeros((len(at), 3))
         self.points[:, :self.dim] = np.asarray(Coordinates(self.dim)(at)).reshape(-1, self.dim)
-        self.weights = np.tile(rule.weights, self.dim + 1) / (self.dim + 1)      # all parts have the same size
+        # All parts have the same size.
+        self.weights = np.tile(rule.weights, split.ne) * (shape.weights.sum() / np.sum(rule.weights) / split.ne)
         self.dv = Gradients(L2(self.mesh, order=order).GetFE(ElementId(VOL, 0)), self.points, self.dim)
         self.constant = False
-        space, pressures = VectorH1(split, order=order + 2, dirichlet="side"), L2(split, order=order + 1)
+        space, pressures = VectorH1(split, order=most + 1, dirichlet="side"), L2(split, order=most)
         u, v = space.TnT()
         free = Free(space)
         stiffness = Csr(BilinearForm(InnerProduct(Grad(u), Grad(v)) * dx).Assemble().mat).toarray()[np.ix_(free, free)]
@@ -57,7 +61,6 @@ class SplitElement:
         divergence = Csr(divergence.Assemble().mat).toarray()[:, free]
         lifted = np.linalg.solve(stiffness, divergence.T)
         smallest = lifted @ np.linalg.pinv(divergence @ lifted, rcond=1e-10, hermitian=True)
-        exponents = [one for one in product(range(order + 2), repeat=self.dim) if sum(one) <= order + 1]
         legendre = [np.polynomial.legendre.Legendre.basis(degree) for degree in range(order + 2)]
         table = np.array([one(2 * self.points[:, :self.dim] - 1) for one in legendre])     # degree, q, m
         plain = np.stack([np.prod([table[e, :, m] for m, e in enumerate(one)], axis=0) for one in exponents], axis=1)
@@ -73,19 +76,19 @@ class SplitElement:
         self.inverse = np.stack(columns, axis=3)
 
 
-def _Split(dim: int) -> Mesh:
-    """The reference simplex split from its centre, its boundary named "side"."""
-    corners = np.zeros((dim + 2, 3))
-    corners[1:dim + 1, :dim], corners[dim + 1, :dim] = np.eye(dim), 1 / (dim + 1)
-    faces = [[j for j in range(dim + 1) if j != i] for i in range(dim + 1)]
-    parts = []
+def _Split(et: Any) -> Mesh:
+    """The reference cell split from its centre into simplices, its boundary named "side"."""
+    reference = np.array(REFERENCE_VERTICES[et], dtype=float)
+    dim, count = (2 if et in (ET.TRIG, ET.QUAD) else 3), len(reference)
+    corners = np.concatenate([reference, reference.mean(axis=0, keepdims=True)])
+    faces, parts = [list(face) for face in FACETS[et]], []
     for face in faces:
-        part = [*face, dim + 1]
+        part = [*face, count]
         edges = corners[part[1:], :dim] - corners[part[0], :dim]
         parts.append(part if np.linalg.det(edges) > 0 else [part[1], part[0], *part[2:]])
     mesh = NetgenMesh()
     mesh.dim = dim
-    mesh.AddPoints(corners)
+    mesh.AddPoints(np.pad(corners, ((0, 0), (0, 3 - corners.shape[1]))))
     mesh.AddElements(dim=dim, index=mesh.AddRegion("cell", dim=dim), data=np.array(parts, dtype=np.int32), base=0)
     mesh.AddElements(dim=dim - 1, index=mesh.AddRegion("side", dim=dim - 1), data=np.array(faces, dtype=np.int32), base=0)
     return Mesh(mesh)

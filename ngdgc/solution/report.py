@@ -28,6 +28,8 @@ SCHEMA = {
               "converged, and estimated relative error [1] or null, of each",
     "elastic_energy": "[stress length^d]", "normal_force": "int p_n [stress length^(d-1)]",
     "zones": "length or area of separation, stick and slip [length^(d-1)]",
+    "estimated_error": "in the energy norm: value [sqrt(stress length^d)], relative to the solution [1], parts [as the value]; "
+                       "or null",
     "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
     "slip": "range of |u_t| [length]",
     "resultants": "of supports, loads and foundations: kind, region, force (d) [stress length^(d-1)], moment about the origin "
@@ -70,6 +72,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         "contraction": asdict(solution.rates), "levels": [asdict(level) for level in solution.levels],
         "elastic_energy": solution.energy, "normal_force": solution.normalforce,
         "zones": solution.ZoneLengths(),
+        "estimated_error": _Estimated(solution.estimate),
         "penetration": _Range(solution.penetration), "pressure": _Range(solution.pressure),
         "friction": _Range(np.linalg.norm(solution.friction, axis=1)), "slip": _Range(slip),
         "resultants": [
@@ -83,6 +86,10 @@ def Summary(solution: Any) -> dict[str, Any]:
     if disc.method.conservative:
         summary["element_imbalance"] = float(np.abs(solution.ElementImbalance()).max())
     return summary
+
+
+def _Estimated(estimate: Any) -> dict[str, Any] | None:
+    return estimate and {"value": estimate.value, "relative": estimate.relative, "parts": dict(estimate.parts)}
 
 
 def _Data(problem: ContactProblem) -> dict[str, Any]:
@@ -144,7 +151,15 @@ def _Contact(numbers: dict[str, Any]) -> list[str]:
     return [f"Contact boundary: {length} {total:.4g}", f"  {zones}",
             *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g}" for label, key in rows),
             f"  {'int p_n':<22}{numbers['normal_force']:>14.6g}",
-            f"Elastic energy {numbers['elastic_energy']:.6g}"]
+            f"Elastic energy {numbers['elastic_energy']:.6g}", *_Error(numbers["estimated_error"])]
+
+
+def _Error(estimated: dict[str, Any] | None) -> list[str]:
+    if not estimated:
+        return []
+    largest = max(estimated["parts"], key=estimated["parts"].get)
+    return [f"Estimated error {estimated['value']:.3g} in the energy norm, {100 * estimated['relative']:.2g} % of the "
+            f"solution, most of it in {largest!r}"]
 
 
 def _Forces(numbers: dict[str, Any]) -> list[str]:

@@ -37,7 +37,8 @@ class ContactSolution:
     history : list of Step;  converged : bool;  solver : its text
     case : name of the case that `ngdgc run` solved, None elsewhere
     levels : list of Level, one for each mesh of a nested or adaptive iteration, the last one the solution's own; else empty
-    estimate : of the error, by SolveAdaptive, else None;  earlier : its ContactSolutions on the meshes before, else empty
+    estimate : of the error, an ErrorEstimate if SolveAdaptive or `ngdgc run` made one, else None
+    earlier : its ContactSolutions on the meshes before, else empty
 
     Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
     (n,) come with them.

@@ -124,7 +124,7 @@ def _Measure(point: Point, inverse: Any, repeat: int) -> Cost:
         row = [setup, assembly, solver - finest.seconds, finest.factorisation, contact, times[-1] - times[0]]
         del solution    # its factors, before those of the reference are made
         known = (disc.space.ndof, matrix.nze, disc.inversekind, finest.iterations, finest.solves, finest.cycles, _Linear(disc))
-        disc.__dict__.pop("inverse", None)
+        disc.elastic.pop("inverse", None)     # its memory is wanted for the reference
         rows.append([*row, *(_Reference(disc) if disc.mesh.dim == 2 or disc.space.ndof <= FITS else [])])
         del disc, matrix
     columns = [*np.array(rows).T, *([np.array([])] * 2 if len(rows[0]) == 6 else [])]

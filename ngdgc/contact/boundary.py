@@ -17,6 +17,7 @@ from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..exceptions import ProblemError
 from ..mesh.facets import Facets
+from ..mesh.pieces import Pieces
 from ..mesh.quadrature import BoundaryQuadrature
 from ..problem.problem import ContactProblem
 from .parts import CheckFinite, ContactPart, OverParts
@@ -36,7 +37,7 @@ class ContactBoundary:
     These are the points of a quadrature rule.  Where conforming elements have one value for several facets its points are one
     contact point with the sum of the weights: tractions that only their traces could tell apart would not be determined.
 
-    rules : of the quadrature, as for `BoundaryQuadrature.On`
+    rules, pieces : of the quadrature, as for `BoundaryQuadrature.On`
 
     Attributes
     ----------
@@ -49,13 +50,14 @@ class ContactBoundary:
     parts : list of `ContactPart`, one for each foundation, in the order of the points
     """
 
-    def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any) -> None:
+    def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any,
+                 pieces: Pieces | None = None) -> None:
         # Over the quadrature points of all foundations, which are the pairs; then over the n contact points.
-        pieces = [BoundaryQuadrature.On(facets, foundation.boundary, rules) for foundation in problem.foundation]
+        parts = [BoundaryQuadrature.On(facets, foundation.boundary, rules, pieces=pieces) for foundation in problem.foundation]
         points, inside, coordinates, normals, weights, self.boundaryelements = (
-            np.concatenate([getattr(piece, name) for piece in pieces])
+            np.concatenate([getattr(part, name) for part in parts])
             for name in ("points", "inside", "coordinates", "normals", "weights", "boundaryelements"))
-        owner = np.repeat(np.arange(len(pieces)), [len(piece.weights) for piece in pieces])
+        owner = np.repeat(np.arange(len(parts)), [len(part.weights) for part in parts])
         dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
         self.members = SharedPoints(trace[::dim], normals, owner)           # pairs -> n
         _, first = np.unique(self.members, return_index=True)

@@ -12,6 +12,7 @@ from ..contracts import Array, Method
 from ..exceptions import ProblemError
 from .checks import Sides
 from .facets import REFERENCE_VERTICES, TYPES, Coordinates, Facets
+from .pieces import Divided, Pieces
 
 SAME = 1e-9     # distance of two points that are one, relative to the largest coordinate
 
@@ -40,10 +41,11 @@ class BoundaryQuadrature:
         return self.points["nr"]
 
     @classmethod
-    def On(cls, facets: Facets, region: str, rules: Any, *, side: int = 0) -> BoundaryQuadrature:
+    def On(cls, facets: Facets, region: str, rules: Any, *, side: int = 0, pieces: Pieces | None = None) -> BoundaryQuadrature:
         """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules.
 
         side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
+        pieces : {number of a boundary element: its parts}, on each of which the rule is applied; the other ones are whole
 
         Every side of an element counts once, however often the mesh has it; boundary elements that are none do not count.
         Raises ProblemError for boundary elements that are curved otherwise than the elements.
@@ -52,9 +54,16 @@ class BoundaryQuadrature:
         rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in TYPES[dim - 1].values()}
         points = mesh.MapToAllElements(rules, mesh.Boundaries(region))          # n; the q points of an element in a row
         points = points[Sides(facets, region)[points["nr"]]]
+        shares = np.empty(len(points))                                          # reference weights
+        corners = (facets.boundary[2][points["nr"]] >= 0).sum(axis=1)
+        for count in np.unique(corners):
+            here, rule = corners == count, rules[TYPES[dim - 1][count]]
+            shares[here] = np.tile(rule.weights, here.sum() // len(rule))
+        if pieces:
+            points, shares = Divided(points, shares, pieces)
         jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)        # n i m
         measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))                            # n
-        weights, inside, normals = measure.copy(), points.copy(), np.empty((len(points), dim))
+        weights, inside, normals = measure * shares, points.copy(), np.empty((len(points), dim))
         inside["VorB"] = 0
         starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))              # e: first points of the boundary elements
         facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
@@ -63,18 +72,17 @@ class BoundaryQuadrature:
         # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
         corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)
         kinds, kind = np.unique(np.column_stack([corner, (around >= 0).sum(axis=1)]), axis=0, return_inverse=True)
+        kind, volumes = (np.repeat(array.ravel(), np.diff(starts, append=len(points))) for array in (kind, volumes))
         for number, (*local, count) in enumerate(kinds):
-            members = np.flatnonzero(kind.ravel() == number)
+            here = np.flatnonzero(kind == number)
             et = TYPES[dim - 1][sum(one >= 0 for one in local)]
-            here = starts[members][:, None] + np.arange(len(rules[et]))         # (members, q) -> n
-            weights[here] *= rules[et].weights
             reference = np.array(REFERENCE_VERTICES[TYPES[dim][count]], dtype=float)
             corners = reference[[one for one in local if one >= 0]]
             normals[here] = ReferenceNormal(corners, reference.mean(axis=0), dim)
-            inside["nr"][here] = volumes[members][:, None]
-            at = VertexFunctions(et, points["x"][here].ravel(), points["y"][here].ravel()) @ corners
+            inside["nr"][here] = volumes[here]
+            at = VertexFunctions(et, points["x"][here], points["y"][here]) @ corners
             for axis, values in zip("xyz", at.T):
-                inside[axis][here] = values.reshape(here.shape)
+                inside[axis][here] = values
         # NGSolve's normal at boundary points follows the orientation of the boundary element, which may point into the body
         # (holes, mirrored meshes); the reference normal of the adjacent element, mapped as a covector, always points outward.
         mapping = specialcf.JacobianMatrix(dim, dim)(inside).reshape(-1, dim, dim)      # n i m

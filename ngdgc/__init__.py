@@ -5,6 +5,7 @@ from ngsolve import Solve
 from .discretization import Discretization
 from .estimates.adaptive import SolveAdaptive
 from .estimates.error import EstimateError
+from .estimates.force import EstimateForce
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .methods.conforming import Conforming
 from .methods.lifting import Lifting
@@ -27,8 +28,8 @@ __version__ = "0.2.0"
 # NGSolve's own Solve, which calls disc.Solve.
 __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
-           "EstimateError", "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "LDG",
-           "Lifting", "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance",
-           "NotConvergedError", "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver",
+           "EstimateError", "EstimateForce", "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty",
+           "InteriorPenalty", "LDG", "Lifting", "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty",
+           "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver",
            "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveInterrupted", "TrescaFriction", "UzawaSolver",
            "WeaklyOverPenalised"]

@@ -16,13 +16,13 @@ from typing import cast
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import BaseMatrix
 
 from ..contact.equilibrium import Equilibrium
 from ..contracts import Array, InexactInverse, Inverse, LinearProblem
 from ..exceptions import ProblemError
 from ..linear.motions import Deflation
-from ..mesh.facets import Csr, Native, Threads
+from ..linear.sums import Sum
+from ..mesh.facets import Threads
 
 
 class ContactResponse:
@@ -116,30 +116,9 @@ class ContactResponse:
         diagonal = sp.bsr_matrix((weighted, np.arange(n), np.arange(n + 1)), shape=(n * dim, n * dim)).tocsr()
         added = (contact.trace.T @ diagonal @ contact.trace).tocsr()
         with Threads(disc.mesh):
-            positions = _Positions(disc.matrix, added)
-            if positions is None:
-                return disc.Factorise(Native(Csr(disc.matrix) + added))
-            # In a matrix of its own: another thread, or an inverse that is an iteration, goes on using that of the body.
-            matrix = disc.matrix.CreateMatrix()
-            matrix.AsVector().data = disc.matrix.AsVector()
-            matrix.AsVector().FV().NumPy()[positions] += added.data
-            return disc.Factorise(matrix)
+            return disc.Factorise(Sum(disc.matrix, added))
 
 
 def Apply(matrices: Array, vectors: Array) -> Array:
     """Products of matrices (n, d, d) and vectors (n, d)."""
     return np.einsum("nij,nj->ni", matrices, vectors)
-
-
-def _Positions(matrix: BaseMatrix, added: sp.csr_matrix) -> np.ndarray | None:
-    """Where among the entries of an NGSolve matrix those of a CSR matrix are, or None."""
-    _, columns, starts = (np.asarray(part) for part in matrix.CSR())
-    positions = np.empty(added.nnz, dtype=np.int64)
-    for row in np.flatnonzero(np.diff(added.indptr)):
-        here, first = slice(*added.indptr[row:row + 2]), starts[row]
-        own = columns[first:starts[row + 1]]
-        found = np.searchsorted(own, added.indices[here])
-        if not np.array_equal(own[np.minimum(found, len(own) - 1)], added.indices[here]):
-            return None
-        positions[here] = first + found
-    return positions

@@ -51,8 +51,7 @@ def Divided(points: Any, weights: Array, pieces: Pieces) -> tuple[Any, Array]:
     for run, shares in zip(np.split(points, ends), np.split(weights, ends)):
         for piece in pieces.get(int(run["nr"][0]), [None]):
             found.append((run, shares) if piece is None else _Mapped(run, shares, piece))
-    parts, shares = zip(*found)
-    return np.concatenate(parts), np.concatenate(shares)
+    return np.concatenate([run for run, _ in found]), np.concatenate([shares for _, shares in found])
 
 
 def _Mapped(points: Any, weights: Array, piece: Piece) -> tuple[Any, Array]:

@@ -5,8 +5,8 @@ from mistakes import Disc, Giving
 from ngsolve import BilinearForm, GridFunction, VectorH1, dx
 from problems import Example
 
-from ngdgc import (LDG, Conforming, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, NormalCompliance,
-                   Solve, SolveAdaptive)
+from ngdgc import (LDG, Conforming, ContactProblem, Discretization, EstimateError, EstimateForce, Foundation, HookeMaterial,
+                   NormalCompliance, Solve, SolveAdaptive)
 from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh
@@ -77,6 +77,15 @@ ESTIMATES = [
     (lambda _: EstimateError(Solve(Disc(Giving()))), "method IP has a form of its own | FacetForm | as all methods"),
     (lambda _: EstimateError(_Pyramids()), "the mesh has pyramids | no equilibrated stress | take another mesh"),
     (lambda _: EstimateError(Sprung()), "forms were added | the numerical flux | without them"),
+    (lambda _: EstimateForce(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
+    (lambda _: EstimateForce(_Unconverged()), "the solution has not converged | of its iteration | give one that has"),
+    (lambda _: EstimateForce(Solve(Disc(n=1, order=8))), "the solution is of order 8 | the highest one | take order 7"),
+    (lambda _: EstimateForce(Sprung()), "forms were added | the next order | without them"),
+    (lambda _: EstimateForce(Solve(Disc()), "energy"), "goal is 'energy' | 'force', ('pressure', region) | give"),
+    (lambda _: EstimateForce(Solve(Disc()), ("pressure", "top")),
+     "goal is ('pressure', 'top') | no foundation of this region | give one"),
+    (lambda _: EstimateForce(Solve(Disc()), ("displacement", (9, 9))),
+     "point (9.0, 9.0) lies in no element | from (0.0, 0.0) to (1.0, 1.0) | give a point of"),
     (lambda _: ResidualEstimate(Disc()), "solution is Discretization(IP | a ContactSolution, which Solve(disc) returns | give"),
     (lambda _: ResidualEstimate(Sprung()), "the solution has added forms | could be compared | estimate errors without them"),
     # Adaptive runs.

@@ -50,17 +50,8 @@ class BoundaryQuadrature:
         Every side of an element counts once, however often the mesh has it; boundary elements that are none do not count.
         Raises ProblemError for boundary elements that are curved otherwise than the elements.
         """
-        mesh, dim = facets.mesh, facets.mesh.dim
-        rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in TYPES[dim - 1].values()}
-        points = mesh.MapToAllElements(rules, mesh.Boundaries(region))          # n; the q points of an element in a row
-        points = points[Sides(facets, region)[points["nr"]]]
-        shares = np.empty(len(points))                                          # reference weights
-        corners = (facets.boundary[2][points["nr"]] >= 0).sum(axis=1)
-        for count in np.unique(corners):
-            here, rule = corners == count, rules[TYPES[dim - 1][count]]
-            shares[here] = np.tile(rule.weights, here.sum() // len(rule))
-        if pieces:
-            points, shares = Divided(points, shares, pieces)
+        dim = facets.mesh.dim
+        points, shares = _Applied(facets, region, rules, pieces)                # n; the q points of an element in a row
         jacobian = specialcf.JacobianMatrix(dim, dim - 1)(points).reshape(len(points), dim, dim - 1)        # n i m
         measure = np.sqrt(np.linalg.det(np.swapaxes(jacobian, 1, 2) @ jacobian))                            # n
         weights, inside, normals = measure * shares, points.copy(), np.empty((len(points), dim))
@@ -94,6 +85,19 @@ class BoundaryQuadrature:
                                "both must have the same points in the middle of edges: make the mesh again, or take Curve")
         return cls(points=points, inside=inside, weights=weights, coordinates=coordinates,
                    normals=normals / np.linalg.norm(normals, axis=1)[:, None])
+
+
+def _Applied(facets: Facets, region: str, rules: Any, pieces: Pieces | None) -> tuple[Any, Array]:
+    """Mesh points on the boundary elements of a region and their weights on the reference elements, (n,), by rules."""
+    mesh, dim = facets.mesh, facets.mesh.dim
+    rules = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in TYPES[dim - 1].values()}
+    points = mesh.MapToAllElements(rules, mesh.Boundaries(region))
+    points = points[Sides(facets, region)[points["nr"]]]
+    corners, weights = (facets.boundary[2][points["nr"]] >= 0).sum(axis=1), np.empty(len(points))
+    for count in np.unique(corners):
+        here, rule = corners == count, rules[TYPES[dim - 1][count]]
+        weights[here] = np.tile(rule.weights, here.sum() // len(rule))
+    return Divided(points, weights, pieces) if pieces else (points, weights)
 
 
 def NodalRules(order: int) -> dict[ET, IntegrationRule]:

@@ -1,6 +1,7 @@
-"""`.ci/run` does what a user does who follows README.md: environment in the checkout, the verdict that of the tests."""
+"""`.ci/run` does what a user does who follows README.md; `.ci/versions` runs files that are there."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
@@ -40,6 +41,19 @@ def Run(checkout, *, pip=0, pytest=0):
     environment = {**os.environ, "PATH": path, "NOTES": str(notes), "pip": str(pip), "pytest": str(pytest)}
     done = subprocess.run([checkout / ".ci" / "run"], cwd=checkout.parent, env=environment, capture_output=True, text=True)
     return done.returncode, notes.read_text().splitlines()
+
+
+def Named(script):
+    """The files of tests that `.ci/versions` runs, as bash reads its list."""
+    words = re.search(r"^tests=\((.*?)\)$", script, re.M | re.S).group(1)
+    command = ["bash", "-c", "echo " + " ".join(words.split())]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout.split()
+
+
+def test_versions_are_tried_with_files_that_are_there():
+    script = (ROOT / ".ci" / "versions").read_text()
+    assert len(Named(script)) == 14 and all((ROOT / name).is_file() for name in Named(script))
+    assert not all((ROOT / name).is_file() for name in Named(script.replace("linear/", "")))
 
 
 def test_the_environment_is_where_a_user_makes_it_and_the_verdict_that_of_the_tests(checkout):

@@ -41,8 +41,10 @@ def SolveAdaptive(problem: ContactProblem, method: Method, mesh: Mesh, *, order:
 
     mesh : to begin with, a coarse one; it stays what it is.  Its copies are bisected by Netgen: triangles, tetrahedra, and
         quadrilaterals in whole rows; curved boundaries are curved again
-    tol : relative, for "energy" |u - u_h|/|u_h| in the energy norm as `EstimateError` estimates it, of Conforming and methods
-        of your own as `ResidualEstimate` does, which is larger
+    tol : relative, for the goal "energy" |u - u_h|/|u_h| in the energy norm as `EstimateError` estimates it, of Conforming and
+        methods of your own as `ResidualEstimate` does, which is larger
+    goal : "energy"; or what `EstimateForce` estimates, "force", ("pressure", region) or ("displacement", point), for which tol
+        is relative to the largest force, the pressure or the displacement
     most : unknowns
     callback : gets every Step; if it has a method Reached, as `output.Progress` has, that gets the Level of every mesh
 

@@ -7,7 +7,8 @@ import numpy as np
 from ..contracts import Array
 
 SHARE = 0.6     # of the indicators: larger ones need fewer meshes and more unknowns
-AIM = 1.2       # of what is too much of them: refined elements keep some of theirs
+LEAST = 0.2     # the same near the end
+AIM = 2         # of what is too much: elements at corners keep half of theirs
 
 
 def Marked(indicators: Array, excess: float) -> Array:
@@ -15,7 +16,7 @@ def Marked(indicators: Array, excess: float) -> Array:
 
     excess : part of the sum that is too much.  Near the end fewer are marked, so that what is wanted is met and no more
     """
-    return Fewest(indicators, min(SHARE, AIM * excess))
+    return Fewest(indicators, min(SHARE, max(LEAST, AIM * excess)))
 
 
 def Fewest(indicators: Array, share: float) -> Array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from ..contracts import Array
@@ -11,6 +12,7 @@ from ..exceptions import ProblemError
 from ..methods.blockform import FacetForm
 from ..solution.solution import ContactSolution
 from .error import EstimateError
+from .force import EstimateForce
 from .residual import ResidualEstimate
 
 
@@ -30,9 +32,12 @@ class Measured:
 
 def Measure(goal: Any) -> Callable[[ContactSolution], Measured]:
     """The function that measures how far a solution is from a goal; ProblemError for a goal that there is not."""
-    if goal != "energy":
-        raise ProblemError(f"goal is {goal!r}; what can be made accurate is 'energy', the error in the energy norm: give that")
-    return Energy
+    if isinstance(goal, str) and goal == "energy":
+        return Energy
+    kind = goal[0] if isinstance(goal, tuple) and len(goal) == 2 else goal
+    if not isinstance(kind, str) or kind not in ("force", "pressure", "displacement") or (kind == "force") != (kind is goal):
+        raise ProblemError(f"goal is {goal!r}; choose 'energy', 'force', ('pressure', region) or ('displacement', point)")
+    return partial(Quantity, goal)
 
 
 def Energy(solution: ContactSolution) -> Measured:
@@ -41,3 +46,9 @@ def Energy(solution: ContactSolution) -> Measured:
     equilibrated = disc.method.conservative and isinstance(disc.facetform, FacetForm)
     estimate = EstimateError(solution) if equilibrated else ResidualEstimate(solution)
     return Measured(error=estimate.relative, indicators=estimate.indicators, power=2, estimate=estimate)
+
+
+def Quantity(goal: Any, solution: ContactSolution) -> Measured:
+    """By `EstimateForce`."""
+    estimate = EstimateForce(solution, goal)
+    return Measured(error=estimate.relative, indicators=estimate.indicators, power=1, estimate=estimate)

@@ -91,7 +91,7 @@ ESTIMATES = [
     # Adaptive runs.
     (lambda _: Adapted(tol=2), "tol is 2 | the relative error that is wanted | a number between 0 and 1"),
     (lambda _: Adapted(most=0), "most is 0 | the largest number of unknowns | give"),
-    (lambda _: Adapted(goal="forces"), "goal is 'forces' | 'energy' | give that"),
+    (lambda _: Adapted(goal="forces"), "goal is 'forces' | 'energy', 'force', ('pressure', region) | choose"),
     (lambda _: Adapted(callback=3), "callback is 3 | a function of a Step | give"),
     (lambda _: Adapted(BoxMesh(1, cells="prism"), problem=AffinePatch("slip", dim=3).problem),
      "the mesh has prisms | Netgen does not bisect in all directions | take tetrahedra"),

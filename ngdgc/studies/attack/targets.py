@@ -246,7 +246,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "disc": lambda s: s.disc,
     "maxiter": lambda s: int(s.rng.integers(50, 2000)),
     "SolveAdaptive.tol": lambda s: s.rng.uniform(0.2, 0.5),
-    "goal": lambda s: "energy",
+    "goal": lambda s: s.Choose("energy", "force", ("pressure", "bottom")),
     "most": lambda s: 3000,
     "normal": lambda s: s.Choose("explicit", "implicit"),
     "acceleration": lambda s: s.Choose(None, "anderson"),

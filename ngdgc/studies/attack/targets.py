@@ -248,6 +248,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "SolveAdaptive.tol": lambda s: s.rng.uniform(0.2, 0.5),
     "goal": lambda s: s.Choose("energy", "force", ("pressure", "bottom")),
     "most": lambda s: 3000,
+    "goals": lambda s: (),
     "normal": lambda s: s.Choose("explicit", "implicit"),
     "acceleration": lambda s: s.Choose(None, "anderson"),
     "coarser": lambda s: s.Choose(None, (), [UnitMesh(1, s.cells)]),

@@ -33,6 +33,7 @@ from ..contracts import Array
 from ..mesh.facets import Csr, Native
 from .equilibrated import Complementary, EquilibratedStress, Stress
 from .lawpart import LawPart, Pushed
+from .oscillation import Contained
 from .potential import Potential
 from .symmetric import Split, Symmetrised
 
@@ -50,6 +51,9 @@ def Bound(solution: Any) -> tuple[float | None, str]:
         if q is None:
             return None, words
         stress, potential = EquilibratedStress(solution), Potential(solution)
+        reason = Contained(solution.disc, stress, potential)
+        if reason:
+            return None, reason
         found = [_Hypercircle(solution, stress, potential)]
         pushed = Pushed(solution, potential, stress)
         if pushed is not None:

@@ -17,6 +17,7 @@ from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
 from .estimate import ErrorEstimate
 from .lawpart import LawPart
+from .oscillation import BodyOscillation, TractionOscillation
 from .piola import FACTORS
 from .potential import Potential
 
@@ -33,7 +34,7 @@ def EstimateError(solution: Any) -> ErrorEstimate:
         value^2 = |sym s - s_h|^2 + |skew s|^2 + |C eps(v) - s_h|^2 + 2 Phi + I^2 + osc^2
 
     parts : "stress", "skew", "jumps", these three; "law" 2 Phi and "feasibility" I^2, what v and s n lack of the law
-        (`lawpart`); "data" osc^2 = sum_K (h/(pi (k + 1)))^2/(2 mu) |f_1 + div s|^2, 0 where f_1 is in V_h
+        (`lawpart`); "data" osc^2, of body force and tractions on Gamma_F, 0 where they are in V_h (`oscillation`)
     |skew s|^2 : C^-1 of skew matrices is 1/(2 mu); on quadrilaterals, hexahedra and prisms, where one of s_ij and s_ji sees
         less of a shear than the other, the larger one counts for both
 
@@ -95,7 +96,9 @@ def _Squares(solution: Any) -> dict[str, Array]:
         squares["skew"][elements] = _Skew(batch, difference, shear)
         jumps = Stress(C, potential.Gradient(batch.group)) - batch.computed
         squares["jumps"][elements] = batch.Integral(Complementary(C, jumps))
-        squares["data"][elements] = _Oscillation(disc, batch, shear)
+        squares["data"][elements] = BodyOscillation(disc, batch, shear)
+    for elements, shares in TractionOscillation(disc, stress):
+        np.add.at(squares["data"], elements, shares)
     for gaps in LawPart(solution, potential, stress):
         np.add.at(squares["law"], gaps.elements, 2 * gaps.weights * gaps.envelope)
         np.add.at(squares["feasibility"], gaps.elements, gaps.weights * gaps.infeasible)
@@ -112,9 +115,3 @@ def _Skew(batch: StressBatch, difference: Array, shear: Array) -> Array:
             if batch.group.et not in SIMPLICES:
                 total += np.abs(batch.Integral((one ** 2 - other ** 2) / (2 * shear)))
     return total
-
-
-def _Oscillation(disc: Any, batch: StressBatch, shear: Array) -> Array:
-    """(h/(pi (k + 1)))^2/(2 mu) |f_1 + div s|^2 over the elements: f_1 + div s is orthogonal to V_h, w - Pi_k w is small."""
-    rest = batch.BodyForce(disc.problem) + batch.divergence
-    return (batch.diameters / (np.pi * (disc.order + 1))) ** 2 * batch.Integral(np.square(rest).sum(axis=2) / (2 * shear))

@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from ngsolve import CF, Grad, GridFunction, x
+from ngsolve import CF, Grad, GridFunction, x, y
 from problems import ORTHOTROPIC, Loaded, Solved
 
 from ngdgc import (LDG, BassiEtAl, ContactProblem, CoulombFriction, Discretization, EstimateError, Foundation, HookeMaterial,
@@ -109,7 +109,9 @@ def test_bound_of_a_body_that_only_its_foundation_holds(monkeypatch):
     ({"curved": True}, "curved"),
     ({"material": HookeMaterial(E=1 + x, nu=0.2)}, "varies"),
     ({"friction": SlipWeakeningFriction(0.3, 0.1, 1e-3)}, "weakens"),
-    ({"bodyforce": CF((0, 0.1 * x ** 4))}, "no polynomial")])
+    ({"bodyforce": CF((0, 0.1 * x ** 4))}, "body force is no polynomial"),
+    ({"traction": {"left": CF((0.1 * y ** 4, 0))}}, "traction is no polynomial"),
+    ({"roller": {"left": 0.01 * y ** 4}}, "displacement is no polynomial")])
 def test_no_bound_has_its_reason(changes, words):
     mesh = BodyMesh(3, "cad", 2) if changes.pop("curved", False) else RectangleMesh(3, cells=changes.pop("cells", "triangle"))
     material = changes.pop("material", HookeMaterial(E=1, nu=0.2))

@@ -165,7 +165,7 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float = 1.0) 
     figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution),
                "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
                "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}
-    if solution.estimate is not None:
+    if hasattr(solution.estimate, "parts"):     # of the energy
         figures["error"] = lambda: ErrorFigure(solution, estimate=solution.estimate)
     if scale != 1:
         figures["deformed-scaled"] = lambda: DeformedFigure(solution, scale=scale)

@@ -30,6 +30,7 @@ SCHEMA = {
     "zones": "length or area of separation, stick and slip [length^(d-1)]",
     "estimated_error": "in the energy norm: value [sqrt(stress length^d)], relative to the solution [1], parts [as the value]; "
                        "or null",
+    "estimated_quantities": "of an adaptive run for other goals: value and error with its sign of each quantity; or null",
     "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
     "slip": "range of |u_t| [length]",
     "resultants": "of supports, loads and foundations: kind, region, force (d) [stress length^(d-1)], moment about the origin "
@@ -72,7 +73,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         "contraction": asdict(solution.rates), "levels": [asdict(level) for level in solution.levels],
         "elastic_energy": solution.energy, "normal_force": solution.normalforce,
         "zones": solution.ZoneLengths(),
-        "estimated_error": _Estimated(solution.estimate),
+        "estimated_error": _Estimated(solution.estimate), "estimated_quantities": _Quantities(solution.estimate),
         "penetration": _Range(solution.penetration), "pressure": _Range(solution.pressure),
         "friction": _Range(np.linalg.norm(solution.friction, axis=1)), "slip": _Range(slip),
         "resultants": [
@@ -89,7 +90,18 @@ def Summary(solution: Any) -> dict[str, Any]:
 
 
 def _Estimated(estimate: Any) -> dict[str, Any] | None:
-    return estimate and {"value": estimate.value, "relative": estimate.relative, "parts": dict(estimate.parts)}
+    """Of an `ErrorEstimate`."""
+    if not hasattr(estimate, "parts"):
+        return None
+    return {"value": estimate.value, "relative": estimate.relative, "parts": dict(estimate.parts)}
+
+
+def _Quantities(estimate: Any) -> dict[str, Any] | None:
+    """Of a `ForceEstimate`."""
+    if not hasattr(estimate, "corrected"):
+        return None
+    return {f"force {key}" if isinstance(key, str) else f"{key[0]} {key[1]}":
+            {"value": value.tolist(), "error": estimate.error[key].tolist()} for key, value in estimate.value.items()}
 
 
 def _Data(problem: ContactProblem) -> dict[str, Any]:
@@ -151,7 +163,9 @@ def _Contact(numbers: dict[str, Any]) -> list[str]:
     return [f"Contact boundary: {length} {total:.4g}", f"  {zones}",
             *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g}" for label, key in rows),
             f"  {'int p_n':<22}{numbers['normal_force']:>14.6g}",
-            f"Elastic energy {numbers['elastic_energy']:.6g}", *_Error(numbers["estimated_error"])]
+            f"Elastic energy {numbers['elastic_energy']:.6g}", *_Error(numbers["estimated_error"]),
+            *(f"Estimated error of the {name}: {', '.join(f'{error:+.2g}' for error in found['error'])}"
+              for name, found in (numbers["estimated_quantities"] or {}).items())]
 
 
 def _Error(estimated: dict[str, Any] | None) -> list[str]:

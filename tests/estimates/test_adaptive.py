@@ -121,6 +121,8 @@ def test_other_goals(goal):
     """Each is estimated on the last mesh as the run says."""
     solution = SolveAdaptive(SQUARE, InteriorPenalty(), example_4_2.Mesh(4), order=2, tol=3e-3, goal=goal)
     assert solution.levels[-1].error == EstimateForce(solution, goal).relative <= 3e-3
+    name = f"{goal[0]} {goal[1]}"
+    assert list(solution.ToJSON()["estimated_quantities"]) == [name] and f"Estimated error of the {name}: " in solution.Report()
     with pytest.raises(ProblemError, match="choose 'energy'"):
         SolveAdaptive(SQUARE, InteriorPenalty(), example_4_2.Mesh(4), tol=0.1, goal=("energy", "bottom"))
 

@@ -74,17 +74,18 @@ def Adapt(disc: Discretization, *, tol: float, goal: Any, most: int, callback: A
     run = _Run(tol=tol, law=law, Measure=Measure(goal), most=most, callback=callback, words=words)
     CheckRefinable(disc.mesh)
     reached = run.First(disc)
-    while reached.measured.error > tol:
+    while not run.Tell(reached):
         reached = run.Next(reached)
     return reached.solution
 
 
 @dataclass(frozen=True, eq=False)
 class _Reached:
-    """A solution on one of the meshes, and how far it is from the goal."""
+    """A solution on one of the meshes, how far it is from the goal, and sums of the indicators on all meshes so far."""
 
     solution: ContactSolution
     measured: Measured
+    sums: list[float]
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -103,25 +104,35 @@ class _Run:
         begin = time.perf_counter()
         found = NestedNewtonSolver(tol=self.law).Solve(disc, callback=self.callback)
         try:
-            return self._Reached(found, None, begin)
+            return self._Measured(found, None, begin)
         except KeyboardInterrupt as stop:
             raise SolveInterrupted(found) from stop
+
+    def Tell(self, reached: _Reached) -> bool:
+        """Is it the goal?  The callback hears of it in any case."""
+        tell = getattr(self.callback, "Reached", None)
+        try:
+            if tell:
+                tell(reached.solution.levels[-1])
+        except KeyboardInterrupt as stop:
+            raise SolveInterrupted(reached.solution) from stop
+        return reached.measured.error <= self.tol
 
     def Next(self, before: _Reached) -> _Reached:
         """On the next mesh; NotConvergedError or SolveInterrupted with the solution before if that is not to be."""
         solution = before.solution
         try:
-            self._CheckProgress(solution.levels)
+            _CheckProgress(before.sums)
             begin, disc = time.perf_counter(), self._Finer(before)
             tol = self._LawTolerance(solution.levels)
             _Forget(solution.disc)
             start = Transfer(solution, disc.contact)
             found, _ = FromPrediction(SemismoothNewtonSolver(tol=tol), disc, start, self.callback)
-            reached = self._Reached(found, solution, begin)
+            reached = self._Measured(found, before, begin)
             if reached.measured.error <= self.tol and tol > self.law:      # sooner than expected
                 found = SemismoothNewtonSolver(tol=self.law).Solve(disc, start=(found.displacement, found.traction),
                                                                callback=self.callback)
-                reached = self._Reached(found, solution, begin)
+                reached = self._Measured(found, before, begin)
             return reached
         except KeyboardInterrupt as stop:
             raise SolveInterrupted(solution) from stop
@@ -141,18 +152,16 @@ class _Run:
                                "order or a larger tol")
         return disc
 
-    def _Reached(self, found: ContactSolution, before: ContactSolution | None, begin: float) -> _Reached:
+    def _Measured(self, found: ContactSolution, before: _Reached | None, begin: float) -> _Reached:
         """What was found on a mesh with its estimate, and with what the meshes before took."""
         measured = self.Measure(found)
         level = replace(LevelOf(found.disc, found.history, time.perf_counter() - begin, True), error=measured.error)
         solution = ContactSolution(found.disc, found.vector, found.traction, history=found.history, solver=self.words,
-                                   levels=[*(before.levels if before else []), level])
+                                   levels=[*(before.solution.levels if before else []), level])
         solution.estimate = measured.estimate
-        solution.earlier = [*before.earlier, before] if before else []
-        tell = getattr(self.callback, "Reached", None)
-        if tell:
-            tell(level)
-        return _Reached(solution, measured)
+        solution.earlier = [*before.solution.earlier, before.solution] if before else []
+        total = float(measured.indicators.sum()) ** (1 / measured.power)
+        return _Reached(solution, measured, [*(before.sums if before else []), total])
 
     def _LawTolerance(self, levels: list[Level]) -> float:
         """Of the law residual on the next mesh: no digit that the mesh does not carry, but all if it may be the last one."""
@@ -160,11 +169,12 @@ class _Run:
         expected = errors[-1] * (errors[-1] / errors[-2] if len(errors) > 1 else REDUCTION)
         return max(min(BALANCE * expected, LOOSE), self.law) if expected > SURE * self.tol else self.law
 
-    def _CheckProgress(self, levels: list[Level]) -> None:
-        errors = [level.error or 0.0 for level in levels]
-        if len(errors) > WINDOW and errors[-1] > STALLED * errors[-1 - WINDOW]:
-            raise ProblemError(f"{WINDOW} refinements have made it {errors[-1]:.3g} from {errors[-1 - WINDOW]:.3g}, for it is "
-                               "round-off, or comes from data that no mesh resolves; give a larger tol")
+
+def _CheckProgress(sums: list[float]) -> None:
+    """Raise ProblemError if refinement does not help: by the sums of indicators, among which nothing cancels."""
+    if len(sums) > WINDOW and not sums[-1] <= STALLED * sums[-1 - WINDOW]:
+        raise ProblemError(f"{WINDOW} refinements have not made it smaller, for it is round-off, or comes from data that no "
+                           "mesh resolves; give a larger tol")
 
 
 def _Forget(disc: Any) -> None:

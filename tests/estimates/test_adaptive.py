@@ -23,13 +23,14 @@ BLOCK = ContactProblem(HookeMaterial(E=2000, nu=0.3), dirichlet={"top": CF((0.00
 
 
 class Watch:
-    """A callback that counts the steps, and calls a function with every Level."""
+    """A callback that counts the steps, and calls functions with every Step and every Level."""
 
-    def __init__(self, Do=lambda level: None):
-        self.steps, self.Do = 0, Do
+    def __init__(self, Do=lambda level: None, Step=lambda step: None):
+        self.steps, self.Do, self.Step = 0, Do, Step
 
     def __call__(self, step):
         self.steps += 1
+        self.Step(step)
 
     def Reached(self, level):
         self.Do(level)
@@ -188,21 +189,25 @@ def test_too_few_unknowns_and_roundoff_keep_the_last_mesh():
 
 
 def test_an_interrupted_run_keeps_its_last_mesh():
-    """In the middle of the second mesh, and before: then there is nothing."""
+    """In the middle of the second mesh the first, after it the second."""
     def Stop(level):
         if level.dofs > 192:
             raise KeyboardInterrupt
 
+    watch = Watch(Stop)
     with pytest.raises(SolveInterrupted) as stop:
-        SolveAdaptive(SQUARE, InteriorPenalty(), example_4_2.Mesh(4), tol=0.01, callback=Watch(Stop))
+        SolveAdaptive(SQUARE, InteriorPenalty(), example_4_2.Mesh(4), tol=0.01, callback=watch)
+    after = stop.value.solution
+    assert len(after.levels) == 2 and after.converged and after.estimate.relative == after.levels[-1].error
+
+    def Middle(step):
+        if middle.steps == watch.steps:
+            raise KeyboardInterrupt
+
+    middle = Watch(Step=Middle)
+    with pytest.raises(SolveInterrupted) as stop:
+        SolveAdaptive(SQUARE, InteriorPenalty(), example_4_2.Mesh(4), tol=0.01, callback=middle)
     assert stop.value.solution.disc.space.ndof == 192 and stop.value.solution.converged
-
-    def Never(level):
-        raise KeyboardInterrupt
-
-    with pytest.raises(SolveInterrupted) as stop:
-        SolveAdaptive(SQUARE, InteriorPenalty(), example_4_2.Mesh(4), tol=0.01, callback=Watch(Never))
-    assert stop.value.solution.converged
 
 
 def test_elements_keep_their_shape_however_often_they_are_bisected():

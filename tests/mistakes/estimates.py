@@ -1,5 +1,7 @@
 """Mistakes with estimates of errors, as in `mistakes`."""
 
+from unittest.mock import patch
+
 from bodies import Pyramids, Ring
 from mistakes import Disc, Giving
 from ngsolve import BilinearForm, GridFunction, VectorH1, dx
@@ -7,6 +9,7 @@ from problems import Example
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, EstimateError, EstimateForce, Foundation, HookeMaterial,
                    NormalCompliance, Solve, SolveAdaptive)
+from ngdgc.estimates import measures
 from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh
@@ -40,18 +43,25 @@ def Adapted(mesh=None, *, problem=None, tol=0.3, **options):
 
 
 class Ended:
-    """A callback that stops a run after its first mesh, or on its second."""
+    """A callback that stops a run when its first mesh is done, or on its second."""
 
-    def __init__(self, last):
-        self.last, self.meshes = last, 0
+    def __init__(self, within):
+        self.within, self.meshes = within, 0
 
     def __call__(self, step):
-        pass
+        if self.within and self.meshes:
+            raise KeyboardInterrupt
 
     def Reached(self, level):
         self.meshes += 1
-        if self.meshes == self.last:
+        if not self.within:
             raise KeyboardInterrupt
+
+
+def Unestimated():
+    """Ctrl-C while the error on the first mesh is estimated."""
+    with patch.object(measures, "EstimateError", side_effect=KeyboardInterrupt):
+        Adapted()
 
 
 def Deformed():
@@ -101,5 +111,6 @@ ESTIMATES = [
     (lambda _: Adapted(tol=0.01, most=100), "tol=0.01 was not reached | more than most=100 | give a larger most"),
     (lambda _: Adapted(RectangleMesh(1), problem=AffinePatch("slip").problem, tol=1e-15),
      "tol=1e-15 was not reached | round-off | give a larger tol"),
-    (lambda _: Adapted(tol=0.01, callback=Ended(1)), "interrupted | after | the last iterate is its attribute solution"),
-    (lambda _: Adapted(tol=0.01, callback=Ended(2)), "interrupted | after | the last iterate is its attribute solution")]
+    (lambda _: Adapted(tol=0.01, callback=Ended(False)), "interrupted | after | the last iterate is its attribute solution"),
+    (lambda _: Adapted(tol=0.01, callback=Ended(True)), "interrupted | after | the last iterate is its attribute solution"),
+    (lambda _: Unestimated(), "interrupted | after | the last iterate is its attribute solution")]

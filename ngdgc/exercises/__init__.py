@@ -9,10 +9,11 @@ from __future__ import annotations
 from typing import Any
 
 from ..exceptions import ProblemError
-from . import fluxes, iteration, law, liftings, locking, newton, rigid, spaces, table, winkler
+from . import estimates, fluxes, iteration, law, liftings, locking, newton, rigid, spaces, table, winkler
 from .checker import Grade, Verdict
 
-EXERCISES = {name: exercise for module in (winkler, spaces, fluxes, liftings, iteration, newton, table, rigid, locking, law)
+EXERCISES = {name: exercise for module in (winkler, spaces, fluxes, liftings, iteration, newton, table, rigid, locking, law,
+                                             estimates)
              for name, exercise in module.EXERCISES.items()}
 
 

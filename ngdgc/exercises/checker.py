@@ -96,14 +96,9 @@ class Function:
     words: str = "your function"
 
     def Hint(self, answer: Any) -> str | None:
-        if not callable(answer):
-            return f"Wrong type: the answer is {_Kind(answer)}; give the function itself, without calling it."
-        try:
-            found = answer(*self._Arguments())
-        except Exception as error:      # whatever a student's function does is to be graded
-            return f"When it is called, {self.words} raises {type(error).__name__}: {error}{_Vectorised(error)}"
-        if found is None or found is ...:
-            return f"Nothing comes out of {self.words}; is there a return?"
+        found, trouble = Called(answer, self._Arguments(), self.words)
+        if trouble:
+            return trouble
         wrong = [(hint, Mistake(*self._Arguments())) for hint, Mistake in self.mistakes.items()]
         return Compare(found, self.Right(*self._Arguments()), wrong, self.hint, self.tol)
 
@@ -155,6 +150,17 @@ class Choice:
         return None if number == self.right[1] else f"The statement is right, the reason is not. {self.reasons[number]}"
 
 
+def Called(answer: Any, arguments: tuple[Any, ...], words: str) -> tuple[Any, str | None]:
+    """(what a student's function returns, None), or (None, what is wrong with it); words : what to call it."""
+    if not callable(answer):
+        return None, f"Wrong type: the answer is {_Kind(answer)}; give the function itself, without calling it."
+    try:
+        found = answer(*arguments)
+    except Exception as error:      # whatever a student's function does is to be graded
+        return None, f"When it is called, {words} raises {type(error).__name__}: {error}{_Vectorised(error)}"
+    return found, f"Nothing comes out of {words}; is there a return?" if found is None or found is ... else None
+
+
 def Compare(answer: Any, right: Any, wrong: Iterable[tuple[str, Any]], hint: str, tol: float) -> str | None:
     """None if an answer equals the right value, else the hint that fits; `wrong` is a list of (hint, value)."""
     right = _Array(right)
@@ -163,6 +169,9 @@ def Compare(answer: Any, right: Any, wrong: Iterable[tuple[str, Any]], hint: str
     except (TypeError, ValueError):
         return f"Wrong type: {_Kind(answer)} is no {'number' if right.ndim == 0 else 'array of numbers'}."
     if found.shape != right.shape:
+        for words, value in wrong:
+            if np.array_equal(found, _Array(value)):
+                return words
         if found.ndim == 2 and found.T.shape == right.shape:
             return "Wrong shape: rows and columns are interchanged."
         return f"Wrong shape: the answer has shape {found.shape}, expected is {right.shape}."
@@ -171,7 +180,8 @@ def Compare(answer: Any, right: Any, wrong: Iterable[tuple[str, Any]], hint: str
     scale = np.abs(right).max(initial=0) or 1.0
 
     def Same(value: Any) -> bool:
-        return np.abs(found - _Array(value)).max(initial=0) <= tol * scale
+        value = _Array(value)
+        return value.shape in ((), found.shape) and np.abs(found - value).max(initial=0) <= tol * scale
 
     if Same(right):
         return None
@@ -203,14 +213,14 @@ def _General(found: Array, right: Array, Same: Callable[[Any], bool], scale: flo
 
 
 def _Array(value: Any) -> Array:
-    """Numbers as a float array; TypeError for anything else."""
+    """Numbers as a float array, masks of True and False as 1 and 0; TypeError for anything else."""
     value = value.toarray() if sp.issparse(value) else value
     if isinstance(value, (str, bytes, bool)) or callable(value):
         raise TypeError
     if not isinstance(value, (Number, np.ndarray, list, tuple, np.generic)):
         raise TypeError
     array = np.asarray(value)
-    if array.dtype.kind not in "iuf":
+    if array.dtype.kind not in "iuf" and not (array.dtype.kind == "b" and array.ndim):
         raise TypeError
     return array.astype(float)
 

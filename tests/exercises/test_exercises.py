@@ -16,6 +16,7 @@ from ngdgc.methods import registry as methods
 from ngdgc.studies import locking
 from ngdgc.exercises import EXERCISES, Check, fluxes, liftings
 from ngdgc.exercises.checker import Choice, Function, Law, Value
+from ngdgc.exercises.effectivity import Trend
 from ngdgc.studies.table3 import PUBLISHED
 
 SOLUTIONS = {path.stem[:2]: path for path in (Path(__file__).parents[2] / "docs" / "notebooks" / "solutions").glob("*.py")}
@@ -45,6 +46,11 @@ class Piecewise:
 
     def PressureDerivative(self, r):
         return np.where(r < self.d, self.k1, self.k2)
+
+
+def Rest(parts, *without):
+    """The root of the sum of the squares of all parts but some."""
+    return math.hypot(*(share for name, share in parts.items() if name not in without))
 
 
 # Answers as students give them, and words of the hint that must come.
@@ -146,6 +152,40 @@ WRONG = {
              (lambda p, s, c, t: c * p * np.sign(s), "limit is missing"),
              (Scaled("10.3", -1), "along the slip"), (lambda p, s, c, t: np.minimum(c * p, t) * s, "not its size")],
     "10.4": [(("a", 1), "every point in contact"), (("c", 3), "wrong sign would"), (("b", 2), "stagnate")],
+    "11.1": [(lambda shares: sum(math.sqrt(share) for share in shares), "goes to infinity"),
+             (lambda shares: math.sqrt(max(shares)), "goes to 0"), (lambda shares: sum(shares), "not its root"),
+             (lambda shares: np.sqrt(np.mean(shares)), "A mean"), (lambda shares: 1.0, "it goes to infinity"),
+             (lambda shares: 10 * np.sqrt(np.sum(shares)), "far from 1"), (lambda shares: 0, "it goes to 0"),
+             (lambda shares: -np.sqrt(np.sum(shares)), "not negative"), (np.sqrt, "Wrong shape"),
+             (lambda shares: np.nan, "Not finite"), (lambda parts: parts["law"], "raises IndexError"),
+             (0.3, "function itself")],
+    "11.2": [(lambda parts: math.hypot(*parts.values()), "Nothing is left out"),
+             (lambda parts: math.hypot(parts["law"], parts["feasibility"]), "what is to be left out"),
+             (lambda parts: parts["law"], "goes to 0.  It should stay near 1"),
+             (lambda parts: Rest(parts, "law"), "no law can give"),
+             (lambda parts: Rest(parts, "feasibility"), "graph of the law"),
+             (lambda parts: parts["stress"] + parts["feasibility"], "stays where it is.  It should go to 0"),
+             (lambda parts: Rest(parts, "law", "feasibility") ** 2, "root is missing")],
+    "11.3": [(lambda parts: math.hypot(*parts.values()), "Nothing is left out"),
+             (lambda parts: Rest(parts, "stress"), "symmetric"),
+             (lambda parts: Rest(parts, "skew"), "still in"), (lambda parts: Rest(parts, "jumps"), "they stay"),
+             (lambda parts: Rest(parts, "stress", "skew", "jumps"), "so do the jumps"),
+             (lambda parts: Rest(parts, "stress", "skew", "law") ** 2, "goes to 0.  It should stay near 1")],
+    "11.4": [(lambda shares, share: shares > share * shares.max(), "left to chance"),
+             (lambda shares, share: ~Solution("11.4")(shares, share), "other way round"),
+             (lambda shares, share: np.sort(np.argsort(-shares)[:Solution("11.4")(shares, share).sum()]), "make a mask"),
+             (lambda shares, share: shares >= np.sort(shares)[-round(share * len(shares))], "share of the elements"),
+             (lambda shares, share: Solution("11.4")(shares, 1 - share), "largest first"),
+             (lambda shares, share: Solution("11.4")(shares ** 2, share), "squares already"),
+             (lambda shares, share: Solution("11.4")(np.sqrt(shares), share), "not what adds up")],
+    "11.5": [(lambda N, e, wanted: N[-1] * e[-1] / wanted, "measure the order"),
+             (lambda N, e, wanted: np.interp(wanted, e[::-1], N[::-1]), "straight line through"),
+             (lambda N, e, wanted: N[-1] * (e[-1] / wanted) ** (1 / np.log2(e[-2] / e[-1])), "are its square"),
+             (lambda N, e, wanted: Solution("11.5")(N, e, wanted) / N[-1], "how many times more"),
+             (lambda N, e, wanted: Solution("11.5")(N[::-1], e[::-1], wanted), "straight line through"),
+             (lambda N, e, wanted: Solution("11.5")(N, e, [wanted]), "Wrong shape")],
+    "11.6": [(("a", 1), "slopes differ"), (("b", 1), "would have shown"), (("c", 2), "picture of the shares"),
+             (("c", 3), "does not turn")],
 }
 LAZY = tuple(name for name, exercise in EXERCISES.items() if isinstance(exercise, Value))
 
@@ -205,8 +245,8 @@ def test_no_answer_is_no_mistake():
 
 
 def test_unknown_exercises_are_refused_with_the_list():
-    with pytest.raises(ProblemError, match=r"no exercise '11.1'; there are 01.1, 01.2.*10.4"):
-        Check("11.1", 3)
+    with pytest.raises(ProblemError, match=r"no exercise '12.1'; there are 01.1, 01.2.*11.6"):
+        Check("12.1", 3)
 
 
 def test_names_are_understood_with_and_without_the_zero():
@@ -264,6 +304,39 @@ def test_general_hints_come_in_order():
     assert loose.Hint(1.01 * table) is None and exercise.Hint(1.01 * table) is not None
     square = replace(exercise, Right=lambda: table[:, :2])
     assert "transposed" in square.Hint(table[:, :2].T)
+
+
+@pytest.mark.slow
+def test_effectivities_are_followed_along_all_series():
+    """A right estimator is near 1 on all of them, also those on which wrong ones are to fall."""
+    for name in ("11.2", "11.3"):
+        exercise = EXERCISES[name]
+        steady = replace(exercise, series=[replace(series, wanted="steady") for series in exercise.series])
+        assert steady.Hint(Rest) is None
+        assert "goes to 0.  It should stay near 1" in steady.Hint(Solution(name))
+    assert [Trend(np.array(ratios)) for ratios in ((1, 1.5, 2), (1, 0.5, 0.1), (1, 3, 9), (0, 0, 0))] == [
+        "steady", "falls", "grows", "falls"]
+
+
+@pytest.mark.slow
+def test_estimators_get_their_data_anew():
+    def Greedy(parts):
+        total = Rest(parts, "law", "feasibility")
+        parts.clear()
+        return total
+
+    assert Check("11.2", Greedy) and Check("11.2", Greedy)
+
+
+def test_masks_are_arrays_of_truth_values_or_of_ones():
+    mask = np.array([True, False, True])
+    exercise = Value(Right=lambda: mask, hint="own hint", insight="", mistakes={"indices": lambda: np.array([0, 2])})
+    for answer in (mask, mask.tolist(), mask.astype(int), mask.astype(float)):
+        assert exercise.Hint(answer) is None
+    assert exercise.Hint(np.flatnonzero(mask)) == "indices" and "Wrong shape" in exercise.Hint(mask[:2])
+    assert exercise.Hint([False, False, True]) == "own hint"
+    for scalar in (True, np.True_):
+        assert "Wrong type" in replace(exercise, Right=lambda: 1.0, mistakes={}).Hint(scalar)
 
 
 def test_single_numbers_are_wrong_by_a_factor_only_if_it_is_a_usual_one():

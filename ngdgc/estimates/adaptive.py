@@ -30,8 +30,8 @@ LOOSE = 1e-4        # largest law residual on the way
 BALANCE = 1e-2      # law residual on the way, in units of the relative error that is expected there
 SURE = 1.5          # a mesh on which an error of so many times tol is expected will not be the last
 REDUCTION = 0.5     # of the error by a refinement, before there is experience
-WINDOW = 4          # refinements that must reduce the error
-STALLED = 0.9       # by this factor at least
+WINDOW = 5          # refinements that must reduce the error
+STALLED = 0.95      # by this factor at least
 
 
 @ByKeyword

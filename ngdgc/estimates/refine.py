@@ -17,9 +17,10 @@ REFUSED = {HEX: "hexahedra", PYRAMID: "pyramids", PRISM: "prisms"}
 
 
 def Refined(mesh: Mesh, marked: Array) -> Mesh:
-    """A copy of a mesh that can be refined, in which the marked elements (a mask) are bisected until their edges are.
+    """A copy of a mesh that can be refined, in which the marked elements (a mask) are bisected.
 
-    Neighbours are bisected as far as it takes for no node to hang; a row of quadrilaterals as a whole.
+    In the plane until their sides are; tetrahedra once, for all edges would take three times, and with the neighbours the mesh
+    would grow too fast.  Neighbours are bisected as far as it takes for no node to hang, a row of quadrilaterals as a whole.
     Regions keep their names, and boundaries are curved again: refinement leaves straight elements.
     """
     copy = mesh.ngmesh.Copy()
@@ -29,7 +30,7 @@ def Refined(mesh: Mesh, marked: Array) -> Mesh:
     for number in range(fine.ne):
         # Also False: elements are marked at first.
         fine.SetRefinementFlag(ElementId(VOL, number), bool(marked[number]))
-    fine.Refine()
+    fine.Refine(onlyonce=mesh.dim == 3)
     if mesh.GetCurveOrder() > 1:
         fine.Curve(mesh.GetCurveOrder())
     return fine

@@ -17,6 +17,7 @@ from .adjoint import Adjoint
 from .goals import Goals
 
 
+@ByKeyword
 @dataclass(frozen=True, kw_only=True)
 class ForceEstimate:
     """Quantities of a solution with their estimated errors, {key: (m,)} each.
@@ -74,7 +75,7 @@ def EstimateForce(solution: Any, *goals: Any) -> ForceEstimate:
     >>> from ngdgc.cases import example_4_2
     >>> estimate = EstimateForce(example_4_2.Main(order=2, n=8))
     >>> print(f"{estimate.value['bottom'][1]:.3f} {estimate.corrected['bottom'][1]:.3f}, 25.143 on fine meshes")
-    25.159 25.144, 25.143 on fine meshes
+    25.159 25.142, 25.143 on fine meshes
     """
     _Check(solution)
     with solution.state.Restored():

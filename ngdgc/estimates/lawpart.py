@@ -79,11 +79,17 @@ def Pushed(solution: Any, potential: Potential, stress: EquilibratedStress) -> P
             there = corner >= 0
             np.maximum.at(shift, corner[there], excess[there])
             normals[corner[there]] = quadrature.normals[there]
-    held = [np.unique(vertices[disc.facets.On(region)[disc.facets.boundary[0]]])
-            for region in (*disc.problem.dirichlet, *disc.problem.roller)]
-    for numbers in held:
-        shift[numbers[numbers >= 0]] = 0
-    return potential.Moved(-shift[:, None] * normals) if np.any(shift) else None
+    moved = -shift[:, None] * normals
+    for region in disc.problem.dirichlet:
+        held = vertices[disc.facets.On(region)[disc.facets.boundary[0]]]
+        moved[held[held >= 0]] = 0
+    for region in disc.problem.roller:
+        # Along them it may move.
+        quadrature = BoundaryQuadrature.On(disc.facets, region, 1)
+        for corner in vertices[quadrature.boundaryelements].T:
+            there, n = corner[corner >= 0], quadrature.normals[corner >= 0]
+            moved[there] -= np.einsum("mi,mi->m", moved[there], n)[:, None] * n
+    return potential.Moved(moved) if np.any(moved) else None
 
 
 class FoundationPoints:

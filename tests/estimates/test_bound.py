@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from ngsolve import CF, Grad, GridFunction, x, y
+from ngsolve import CF, Grad, GridFunction, cos, x, y
 from problems import ORTHOTROPIC, Loaded, Solved
 
 from ngdgc import (LDG, BassiEtAl, ContactProblem, CoulombFriction, Discretization, EstimateError, Foundation, HookeMaterial,
@@ -86,6 +86,15 @@ def test_factor_of_the_feedback_grows_to_none():
              for stiffness, mu in ((1, 0.1), (1, 0.2), (0.01, 0.2), (1, 0.9))]
     q = [float(one.split("q = ")[1].split(",")[0]) for one in words]
     assert q[1] == pytest.approx(2 * q[0], abs=0.03) and q[2] < 0.3 * q[1] and q[3] > 0.5 and "too much" in words[3]
+
+
+def test_a_body_is_lowered_along_its_rollers():
+    """The vertex where a roller meets a stiff foundation is as free to leave it as the others."""
+    foundation = Foundation("bottom", NormalCompliance(1e8), gap=0.02 * cos(3 * x))        # deepest at the roller
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.2), foundation, roller={"right": 0}, dirichlet={"top": CF((0, -0.02))})
+    solution = Solve(Discretization(problem, LDG(), BodyMesh(4, "unstructured"), order=1))
+    estimate = EstimateError(solution)
+    assert estimate.bound < 5 * estimate.value
 
 
 def test_bound_of_a_body_that_only_its_foundation_holds(monkeypatch):

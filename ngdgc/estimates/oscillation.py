@@ -60,5 +60,6 @@ def Contained(disc: Any, stress: EquilibratedStress, potential: Potential) -> st
             else:
                 rest = np.einsum("mi,mi->m", v, quadrature.normals) - ValuesAt(value, *given)
             if np.abs(rest).max(initial=0) > ROUNDOFF * np.abs(potential.gfu.vec.FV().NumPy()).max():
-                return "a prescribed displacement is no polynomial of degree k + 1 on the sides"
+                return ("a prescribed displacement is no polynomial of degree k + 1 on the sides, or rollers of one face meet "
+                        "at an angle")
     return ""

@@ -9,13 +9,14 @@ Gauss and Seidel over the stars of vertices follow, for the least |C eps(v) - C 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from copy import copy
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from ngsolve import (H1, VOL, BilinearForm, BoundaryFromVolumeCF, ElementId, GridFunction, InnerProduct, LinearForm, VectorH1,
-                     dx, specialcf)
+from ngsolve import (BND, H1, VOL, BilinearForm, BitArray, BoundaryFromVolumeCF, ElementId, GridFunction, InnerProduct,
+                     LinearForm, Region, VectorH1, dx, specialcf)
 
 from ..blocks.integrals import ElementGroup
 from ..blocks.reference import Gradients, ReferenceElement
@@ -52,15 +53,27 @@ class Potential:
     def _Impose(self, solution: Any) -> None:
         problem, n = solution.disc.problem, specialcf.normal(self.mesh.dim)
         for foundation in problem.foundation:
-            self._Set(BoundaryFromVolumeCF(solution.gfu), foundation.boundary)
+            self._Set(BoundaryFromVolumeCF(solution.gfu), self.mesh.Boundaries(foundation.boundary))
         for region, value in problem.roller.items():
-            value = OnBoundary(value * specialcf.normal(self.mesh.dim), self.mesh.Boundaries(region), f"roller[{region!r}]")
-            self._Set(self.gfu - InnerProduct(self.gfu, n) * n + value, region)
+            # Face by face: on edges between them each sees what the ones before have made of v, and changes its own part.
+            for boundary in self._Faces(region):
+                given = OnBoundary(value * specialcf.normal(self.mesh.dim), boundary, f"roller[{region!r}]")
+                self._Set(self.gfu - InnerProduct(self.gfu, n) * n + given, boundary)
         for region, value in problem.dirichlet.items():
-            self._Set(OnBoundary(value, self.mesh.Boundaries(region), f"dirichlet[{region!r}]"), region)
+            boundary = self.mesh.Boundaries(region)
+            self._Set(OnBoundary(value, boundary, f"dirichlet[{region!r}]"), boundary)
 
-    def _Set(self, value: Any, region: str) -> None:
-        other, boundary = GridFunction(self.gfu.space), self.mesh.Boundaries(region)
+    def _Faces(self, region: str) -> Iterator[Region]:
+        """The faces of a region of the boundary, as many as have a number of their own."""
+        mask = self.mesh.Boundaries(region).Mask()
+        for number in np.flatnonzero(list(mask)).tolist():
+            face = BitArray(len(mask))
+            face.Clear()
+            face.Set(number)
+            yield Region(self.mesh, BND, face)
+
+    def _Set(self, value: Any, boundary: Region) -> None:
+        other = GridFunction(self.gfu.space)
         other.Set(value, definedon=boundary)        # elsewhere it is 0
         there = np.array(self.gfu.space.GetDofs(boundary), dtype=bool)
         self.gfu.vec.FV().NumPy()[there] = other.vec.FV().NumPy()[there]

@@ -88,6 +88,15 @@ def test_factor_of_the_feedback_grows_to_none():
     assert q[1] == pytest.approx(2 * q[0], abs=0.03) and q[2] < 0.3 * q[1] and q[3] > 0.5 and "too much" in words[3]
 
 
+@pytest.mark.slow
+def test_rollers_of_one_name_on_several_faces_keep_their_normals():
+    foundation = Foundation("bottom", NormalCompliance(1))
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.3), foundation, roller={"front|right": 0.01},
+                             traction={"top": CF((0.02, 0, -0.1))})
+    solution = Solve(Discretization(problem, LDG(), BoxMesh(2), order=1))
+    assert EstimateError(solution).bound < 10 * EstimateError(solution).value
+
+
 def test_a_body_is_lowered_along_its_rollers():
     """The vertex where a roller meets a stiff foundation is as free to leave it as the others."""
     foundation = Foundation("bottom", NormalCompliance(1e8), gap=0.02 * cos(3 * x))        # deepest at the roller

@@ -251,5 +251,6 @@ def Page(exact: Sequence[Estimated], random: Sequence[Estimated], savings: Seque
             lines += [f"## {title}", "", f"Against adaptive solutions of {fine}, on coarse meshes.", "", *_Tally(rows), "",
                       "The five farthest from the middle:", "", *Piped(_Cells(worst)), ""]
     lines += ["## What adaptivity saves", "", "Until the estimated relative error is reached; unknowns of uniform meshes are "
-              "extrapolated where that took too many.", "", *Piped(_SavingCells(savings)), ""]
+              "extrapolated where that took too many, and their seconds are those of the meshes that were solved.", "",
+              *Piped(_SavingCells(savings)), ""]
     return "\n".join(lines)

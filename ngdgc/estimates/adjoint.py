@@ -120,7 +120,6 @@ class Adjoint:
         return function
 
 
-
 def _Beside(fine: ContactBoundary, contact: ContactBoundary) -> tuple[Any, Array]:
     """(elements, weights) of the pairs of boundary elements and contact points, (pairs,): a node has the weight of several."""
     element = np.zeros(fine.boundaryelements.max() + 1, dtype=int)

@@ -15,7 +15,7 @@ from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
-from .estimate import ErrorEstimate
+from .estimate import ErrorEstimate, Relative
 from .lawpart import LawPart
 from .oscillation import BodyOscillation, TractionOscillation
 from .piola import FACTORS
@@ -58,8 +58,8 @@ def EstimateError(solution: Any) -> ErrorEstimate:
     with solution.state.Restored():
         squares = _Squares(solution)
     indicators: Array = np.sum(list(squares.values()), axis=0)
-    value, size = float(np.sqrt(indicators.sum())), float(np.sqrt(2 * solution.energy))
-    return ErrorEstimate(value=value, relative=value / size if size else value and np.inf, indicators=indicators,
+    value = float(np.sqrt(indicators.sum()))
+    return ErrorEstimate(value=value, relative=Relative(solution, value), indicators=indicators,
                          parts={name: float(np.sqrt(square.sum())) for name, square in squares.items()},
                          Theory=partial(Bound, solution))
 

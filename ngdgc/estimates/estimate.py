@@ -5,9 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
+
+import numpy as np
 
 from ..contracts import Array
+from ..mesh.facets import VolumePoints
+from ..solution.resultants import ElasticForce
 from ..tools.calls import ByKeyword
+
+ROUNDOFF = 1e-9      # of strains, relative to displacements over the size of the body: differences over small elements lose digits
 
 
 @ByKeyword
@@ -15,11 +22,11 @@ from ..tools.calls import ByKeyword
 class ErrorEstimate:
     """The error of a solution in the energy norm, sqrt(int C eps(u - u_h):eps(u - u_h)) [sqrt(stress length^d)], estimated.
 
-    value : the estimate, without a constant to choose;  relative : value/sqrt(int C eps(u_h):eps(u_h)), no unit
+    value : the estimate, without a constant to choose;  relative : it over sqrt(int C eps(u_h):eps(u_h)), no unit (`Relative`)
     parts : {name: its share}, value = sqrt(sum of their squares)
     indicators : (elements,) squares of the elements' shares [stress length^d], of sum value^2
-    bound : an upper bound, or None where theory has none;  reason : what it holds for, or why there is none; both computed when
-        they are asked for
+    bound : an upper bound, or None where theory has none;  reason : what it holds for, or why there is none; both are computed
+        when they are asked for, which may take as long as the solution
     Theory : () -> (bound, reason)
     """
 
@@ -42,6 +49,17 @@ class ErrorEstimate:
         return self._bounded[1]
 
     def __str__(self) -> str:
+        # Without the bound, which may take as long as the solution.
         parts = ", ".join(f"{name} {share:.3g}" for name, share in self.parts.items())
-        bound = "no bound" if self.bound is None else f"bound {self.bound:.4g}"
-        return f"energy error {self.value:.4g} ({self.relative:.3g} of the solution), {bound}: {self.reason}; parts: {parts}"
+        return f"energy error {self.value:.4g} ({self.relative:.3g} of the solution); parts: {parts}"
+
+
+def Relative(solution: Any, value: float) -> float:
+    """A value over sqrt(int C eps(u_h):eps(u_h)), no unit, or over its round-off if that is more, as of a rigid motion.
+
+    The round-off is ROUNDOFF |u_h| sqrt(mu L^(d-2)), L the size of the body; of a body at rest the result is 0 or inf.
+    """
+    points = VolumePoints(solution.disc.mesh, 2)
+    displacement = np.abs(np.asarray(solution.gfu(points))).max()
+    size = max(np.sqrt(2 * solution.energy), ROUNDOFF * np.sqrt(ElasticForce(solution) * displacement))
+    return float(value / size if size else value and np.inf)

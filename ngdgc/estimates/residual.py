@@ -15,7 +15,7 @@ from ..mesh.facets import Curved, Projected, Threads
 from ..methods.symbolform import OtherStrain
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
-from .estimate import ErrorEstimate
+from .estimate import ErrorEstimate, Relative
 from .contactresidual import ContactResidual, Softest
 
 SMOOTH = 2      # degrees beyond k of the polynomials that a stress which is none is taken for
@@ -60,8 +60,8 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
         shares = {"equilibrium": residuals.Elements(), "tractions": residuals.Tractions(), "jumps": residuals.Jumps(),
                   "law": ContactResidual(solution)}
         indicators = sum(shares.values(), np.zeros(disc.mesh.ne))
-        value, size = float(np.sqrt(indicators.sum())), float(np.sqrt(2 * solution.energy))
-    return ErrorEstimate(value=value, relative=value / size if size else np.inf, indicators=indicators,
+        value = float(np.sqrt(indicators.sum()))
+    return ErrorEstimate(value=value, relative=Relative(solution, value), indicators=indicators,
                          parts={name: float(np.sqrt(share.sum())) for name, share in shares.items()},
                          Theory=lambda: (None, REASON))
 

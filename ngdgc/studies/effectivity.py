@@ -136,8 +136,8 @@ def Difference(fine: ContactSolution, coarse: ContactSolution) -> float:
     weights = np.abs(np.linalg.det(jacobian)) * np.tile(IntegrationRule(TRIG if dim == 2 else TET, order).weights, mesh.ne)
     there = coarse.disc.mesh(*np.asarray(Coordinates(dim)(points)).reshape(-1, dim).T)
     difference = (np.asarray(fine.strain(points)) - np.asarray(coarse.strain(there))).reshape(-1, dim, dim)
-    C = StiffnessAt(fine.disc.problem.material, points[:1], dim)[0]
-    return float(np.sqrt(weights @ np.einsum("nij,ijkl,nkl->n", difference, C, difference, optimize=True)))
+    C = StiffnessAt(fine.disc.problem.material, points, dim)
+    return float(np.sqrt(weights @ np.einsum("nij,nijkl,nkl->n", difference, C, difference, optimize=True)))
 
 
 @ByKeyword

@@ -136,7 +136,7 @@ def test_no_bound_has_its_reason(changes, words):
     foundation = Foundation("bottom", NormalCompliance(1), friction=changes.pop("friction", None))
     problem = ContactProblem(material, foundation, dirichlet={"top": CF((0.02, -0.05))}, **changes)
     estimate = EstimateError(Solve(Discretization(problem, InteriorPenalty(), mesh, order=1)))
-    assert estimate.bound is None and words in estimate.reason and "no bound" in str(estimate)
+    assert estimate.bound is None and words in estimate.reason
 
 
 def test_anisotropic_bodies_have_a_bound():

@@ -10,7 +10,8 @@ from problems import TEN, Example, Solved
 from ngdgc import (LDG, BassiEtAl, ContactProblem, CoulombFriction, Discretization, EstimateError, Foundation, HookeMaterial,
                    InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, Solve)
 from ngdgc.errors import EnergyError
-from ngdgc.estimates import error, lawpart, potential
+from ngdgc.estimates import error, estimate, lawpart, potential
+from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.exact import AffinePatch, SmoothSlip
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.traces import ThreeZones
@@ -31,9 +32,9 @@ def UnitMesh(cells, n):
 def test_exact_solution_has_no_error(cells, zone):
     exact = AffinePatch(zone, dim=2 if cells in ("triangle", "quad") else 3, sides="roller")
     solution = Solved(exact.problem, LDG(), UnitMesh(cells, 2), 1)
-    estimate = EstimateError(solution)
+    found = EstimateError(solution)
     # The iteration stops at a law residual of 1e-11, of which the law's part is a root.
-    assert estimate.value < 1e-6 and estimate.indicators.sum() == pytest.approx(estimate.value ** 2)
+    assert found.value < 1e-6 and found.indicators.sum() == pytest.approx(found.value ** 2)
     wrong = replace(exact.problem, bodyforce=(0,) * (solution.disc.mesh.dim - 1) + (-1,))
     assert EstimateError(Solved(wrong, LDG(), UnitMesh(cells, 2), 1)).value > 1e-3      # control: with a load it has one
 
@@ -89,8 +90,8 @@ def test_value_on_a_wavy_foundation_against_a_fine_mesh(stiffness):
     problem = ContactProblem(HookeMaterial(E=1, nu=0.2), foundation, dirichlet={"top": CF((0.003, -0.008))})
     solution = Solve(Discretization(problem, LDG(), RectangleMesh(5), order=2))
     fine = Solve(Discretization(problem, LDG(), RectangleMesh(20), order=3))
-    true, estimate = EnergyError(fine, solution.gfu), EstimateError(solution)
-    assert 0.9 < estimate.value / true < 3
+    true = EnergyError(fine, solution.gfu)
+    assert 0.9 < EstimateError(solution).value / true < 3
     if stiffness in (1e-3, 1e6):
         # Control: without envelopes, and with that traction alone, the law's part is far too large.
         raw = lawpart.LawPart(solution, potential.Potential(solution), error.EquilibratedStress(solution))
@@ -107,6 +108,19 @@ def test_parts_find_what_causes_them():
         assert EstimateError(solution).parts["data"] > 1e-5 * np.sqrt(solution.energy)
 
 
-def test_text_says_value_and_parts():
-    text = str(EstimateError(Solved(Example(), InteriorPenalty(), RectangleMesh(2), 1)))
-    assert all(word in text for word in ("energy error", "of the solution", "stress", "law"))
+def test_text_says_value_and_parts_and_asks_for_no_bound(monkeypatch):
+    found = EstimateError(Solved(Example(), InteriorPenalty(), RectangleMesh(2), 1))
+    monkeypatch.setattr(type(found), "bound", property(lambda self: pytest.fail("a bound may take as long as the solution")))
+    assert all(word in str(found) for word in ("energy error", "of the solution", "stress", "law"))
+
+
+@pytest.mark.parametrize("unit", [1, 1e9])
+@pytest.mark.parametrize("Estimate", [EstimateError, ResidualEstimate])
+def test_a_rigid_motion_has_no_error(Estimate, unit, monkeypatch):
+    """Nothing is touched: strain and estimate are round-off, some 1e-14 of |u|/h, and their quotient says nothing."""
+    foundation = Foundation("bottom", NormalCompliance(unit), gap=1)
+    problem = ContactProblem(HookeMaterial(E=unit, nu=0.3), foundation, dirichlet={"top": CF((0.1, 0.1))})
+    solution = Solved(problem, LDG(), RectangleMesh(4), 2)
+    assert Estimate(solution).relative < 1e-3
+    monkeypatch.setattr(estimate, "ROUNDOFF", 0)
+    assert Estimate(solution).relative > 0.01       # control

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from ngsolve import x
 
-from ngdgc import LDG, Discretization, InteriorPenalty, Solve
+from ngdgc import LDG, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, Solve
 from ngdgc.errors import EnergyError
 from ngdgc.exact import SmoothSlip
 from ngdgc.meshes import RectangleMesh
@@ -25,6 +26,10 @@ def test_difference_from_a_fine_solution_is_the_error():
     fine = Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(6), order=3))
     # The fine one has a thousandth of the error.
     assert Difference(fine, coarse) == pytest.approx(EnergyError(coarse, exact.displacement), rel=1e-4)
+    graded = ContactProblem(HookeMaterial(E=1 + 9 * x, nu=0.3), Foundation("bottom", NormalCompliance(1)),
+                            dirichlet={"top": (0, -0.1)})
+    coarse, fine = (Solve(Discretization(graded, LDG(), RectangleMesh(n), order=1)) for n in (3, 6))
+    assert Difference(fine, coarse) == pytest.approx(EnergyError(fine, coarse.gfu), rel=1e-6)     # C is that of each place
     assert Difference(coarse, coarse) < 1e-7        # round-off, before the root
 
 

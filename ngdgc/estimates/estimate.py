@@ -14,7 +14,7 @@ from ..mesh.facets import VolumePoints
 from ..solution.resultants import ElasticForce
 from ..tools.calls import ByKeyword
 
-ROUNDOFF = 1e-9      # of strains, relative to displacements over the size of the body: differences over small elements lose digits
+ROUNDOFF = 1e-9     # of strains, relative to displacements over the size of the body; differences in small elements lose it
 
 
 @ByKeyword

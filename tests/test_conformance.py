@@ -1,37 +1,22 @@
 """Our own classes keep their contracts, and a class that does not is told which member is missing or wrong."""
 
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from ngsolve import H1, VOL, CF, GridFunction
+from broken import Disc, Refused, Wrong
+from ngsolve import H1, VOL
 
-from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NestedNewtonSolver, NormalCompliance, PowerFriction, ProblemError, SemismoothNewtonSolver,
-                   SlipWeakeningFriction, TrescaFriction, UzawaSolver)
-from ngdgc.conformance import (CheckForm, CheckInverse, CheckLaw, CheckLinearProblem, CheckMethod, CheckPreconditioner,
-                               CheckSolver, CheckSpaceNumbering)
+from ngdgc import (LDG, Conforming, CoulombFriction, NestedNewtonSolver, NormalCompliance, PowerFriction,
+                   SemismoothNewtonSolver, SlipWeakeningFriction, TrescaFriction, UzawaSolver)
+from ngdgc.conformance import (CheckInverse, CheckLaw, CheckLinearProblem, CheckPreconditioner, CheckSolver,
+                               CheckSpaceNumbering)
 from ngdgc.linear.choice import INVERTERS, HasPardiso
 from ngdgc.linear.factorisations import Operator
 from ngdgc.linear.multigrid import VCycle
 from ngdgc.mesh.facets import Csr, Native
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.methods.registry import METHODS
 from ngdgc.solvers.newton.subspace import Subspace
-
-
-def Disc(method=None, mesh=None, held=True, **options):
-    mesh = mesh or RectangleMesh(2)
-    foundation = Foundation("bottom", NormalCompliance(100), friction=CoulombFriction(0.3))
-    support = {"dirichlet": {"top": CF((0.01, 0, -0.02)[-mesh.dim:])}} if held else {"bodyforce": CF((0, 0, -1)[-mesh.dim:])}
-    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, **support)
-    return Discretization(problem, method or InteriorPenalty(), mesh, **options)
-
-
-def Refused(words, Check, *arguments, **options):
-    with pytest.raises(ProblemError, match=words):
-        Check(*arguments, **options)
 
 
 @pytest.mark.parametrize("name", INVERTERS)
@@ -120,17 +105,6 @@ def test_preconditioners():
     Refused("changes b", CheckPreconditioner, Overwrites, disc)
 
 
-class Wrong:
-    """A Discretization with some members replaced."""
-
-    def __init__(self, disc, **members):
-        self.__dict__.update(members)
-        self.disc = disc
-
-    def __getattr__(self, name):
-        return getattr(self.disc, name)
-
-
 def test_linear_problems():
     disc = Disc(mesh=BoxMesh(2))
     for problem in (disc, Subspace(disc), Disc(Conforming()), Disc(held=False)):
@@ -161,95 +135,6 @@ def test_spaces():
         2 * dof + i for i in range(2) for dof in scalar.GetDofNrs(element)])
     Refused("element 0 has the dofs .* is expected", CheckSpaceNumbering, turned, scalar)
     assert len(list(mesh.Elements(VOL))) == 8
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", METHODS)
-def test_methods(name):
-    CheckMethod(METHODS[name]())
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("cells", ["quad", "tet", "hex"])
-def test_methods_on_other_cells(cells):
-    for method in (InteriorPenalty(), LDG(form="lifting"), Conforming()):
-        CheckMethod(method, cells=cells, order=2)
-
-
-def Form(**members):
-    """The form of a method with some members replaced."""
-    disc = Disc()
-    return Wrong(disc.form, **members), disc.space
-
-
-def test_forms_and_methods_that_are_none():
-    disc = Disc()
-    CheckForm(*Form())
-    matrix = Csr(disc.form.Norm())
-    Refused("form SimpleNamespace has no .*Matrix, Norm, Prescribed", CheckForm, SimpleNamespace(), disc.space)
-    Refused(r"Wrong.Matrix\(\) has shape \(3, 3\)", CheckForm, *Form(Matrix=lambda: Native(matrix[:3, :3])))
-    Refused(r"Wrong.Matrix\(\) is not finite", CheckForm, *Form(Matrix=lambda: Native(np.nan * matrix)))
-    Refused(r"Wrong.Norm\(\) is not symmetric", CheckForm, *Form(Norm=lambda: Native(matrix + 0.1 * np.abs(matrix).multiply(
-        np.arange(48)[:, None] > np.arange(48)).tocsr())))
-    Refused(r"Wrong.Norm\(\) is not positive", CheckForm, *Form(Norm=lambda: Native(-matrix)))
-    Refused(r"Wrong.Prescribed\(\)\['top'\] has shape", CheckForm, *Form(Prescribed=lambda: {"top": np.zeros(3)}))
-    Refused("method SimpleNamespace has no .*Form, ScalarSpace, Space", CheckMethod, SimpleNamespace())
-    Refused("says that it is symmetric", CheckMethod, Wrong(METHODS["nipg"](), symmetric=True))
-    tilted = InteriorPenalty()
-    Refused("does not return an affine displacement", CheckMethod, Wrong(tilted, Form=lambda problem, *rest: tilted.Form(
-        replace(problem, dirichlet={region: 2 * value for region, value in problem.dirichlet.items()}), *rest)))
-
-
-def Answering(method, form=None, **answers):
-    """A method that answers otherwise, or makes its form with other members."""
-    if form:
-        answers["Form"] = lambda *data: Wrong(made := method.Form(*data), **form(made))
-    return Wrong(method, **answers)
-
-
-def test_methods_that_do_not_answer_for_themselves():
-    """Every question of the contract, answered wrongly; the wrappers themselves are no mistake."""
-    ip, h1 = InteriorPenalty(), Conforming()
-    CheckMethod(Answering(ip, form=lambda made: {}))
-    for words, method in {
-            "has symmetric = 'yes'; answer True or False": Answering(ip, symmetric="yes"),
-            "IP says discontinuous = False, and its elements have no dofs": Answering(ip, discontinuous=False),
-            "H1 says discontinuous = True, and its elements have some dofs": Answering(h1, discontinuous=True),
-            "IP says that displacements on Gamma_D are not weak": Answering(ip, weak=False),
-            "H1 says that displacements on Gamma_D are weak": Answering(h1, weak=True),
-            "has no FluxFunction, operators; .* contracts.FluxForm": Answering(h1, conservative=True),
-            "H1 says iterative = True, and is continuous": Answering(h1, iterative=True),
-            "not return an affine displacement": Answering(METHODS["wopsip"](), form=lambda _: {"consistent": True})}.items():
-        Refused(words, CheckMethod, method)
-
-
-def test_fluxes_that_are_none():
-    """Of the wrong size, without a region, not finite, without balance, and not those of FluxFunction."""
-    ip = InteriorPenalty()
-
-    def Fluxes(Change):
-        return Answering(ip, form=lambda made: {"Fluxes": lambda gfu: {
-            region: Change(flux) for region, flux in made.Fluxes(gfu).items()}})
-
-    def Flux(Change):
-        def FluxFunction(made, gfu):
-            return Change(made.FluxFunction(gfu))
-        return Answering(ip, form=lambda made: {"FluxFunction": lambda gfu: FluxFunction(made, gfu)})
-
-    def Halved(function):
-        function.vec.data = 0.5 * function.vec
-        return function
-
-    CheckMethod(Fluxes(np.copy))
-    CheckMethod(Flux(lambda function: function))
-    Refused("Fluxes.* has shape", CheckMethod, Fluxes(lambda flux: flux[:3]))
-    Refused("Fluxes.* is not finite", CheckMethod, Fluxes(lambda flux: np.nan * flux))
-    Refused("do not balance its elements", CheckMethod, Fluxes(lambda flux: 2 * flux))
-    Refused("is .*; give a dictionary", CheckMethod, Answering(ip, form=lambda made: {"Fluxes": lambda gfu: [1]}))
-    Refused("another by FluxFunction than by Fluxes", CheckMethod, Flux(Halved))
-    Refused("FluxFunction has .* coefficients", CheckMethod, Flux(lambda function: GridFunction(H1(function.space.mesh))))
-    Refused(r"Prescribed\(\)\[.*\] is not finite", CheckForm, *Form(Prescribed=lambda: {"top": np.full(48, np.nan)}))
-    Refused("is None; give NGSolve's sparse matrix", CheckForm, *Form(Norm=lambda: None))
 
 
 def test_laws():

@@ -1,44 +1,103 @@
-"""Any object that keeps `contracts.Method` is a method, and ours keep it."""
+"""Our own methods and forms keep their contracts, and one that does not is told which member is missing or wrong."""
+
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from problems import Example
+from broken import Disc, Refused, Wrong
+from ngsolve import H1, GridFunction
 
-from ngdgc import Discretization, InteriorPenalty, Solve
-from ngdgc.contracts import FluxForm, Form, Method, Missing
-from ngdgc.mesh.facets import Csr
-from ngdgc.meshes import RectangleMesh
+from ngdgc import LDG, Conforming, InteriorPenalty
+from ngdgc.conformance import CheckForm, CheckMethod
+from ngdgc.mesh.facets import Csr, Native
 from ngdgc.methods.registry import METHODS
 
 
-class Outside:
-    """A method without a base class: the form of interior penalty on a space of its own."""
-
-    name, discontinuous, weak, conservative, iterative, symmetric = "outside", True, True, True, False, True
-    row = InteriorPenalty()
-
-    def Space(self, mesh, order, clamped):
-        return self.row.Space(mesh, order, clamped)
-
-    def ScalarSpace(self, mesh, order):
-        return self.row.ScalarSpace(mesh, order)
-
-    def Form(self, problem, facets, space, order, assembly):
-        return self.row.Form(problem, facets, space, order, assembly)
+@pytest.mark.slow
+@pytest.mark.parametrize("name", METHODS)
+def test_methods(name):
+    CheckMethod(METHODS[name]())
 
 
-@pytest.mark.parametrize("method", [*(row() for row in METHODS.values()), Outside()], ids=lambda method: method.name)
-def test_contract_is_kept(method):
-    """By the method and its form; what it answers of the space is what the space is."""
-    disc = Discretization(Example(), method, RectangleMesh(2))
-    assert Missing(method, Method) == [] and Missing(disc.form, FluxForm if method.conservative else Form) == []
-    assert all(disc.space.FreeDofs()) == method.weak
-    assert (disc.space.ndof == 2 * method.ScalarSpace(disc.mesh, 1).ndof == 2 * 3 * disc.mesh.ne) == method.discontinuous
-    matrix = Csr(disc.matrix)
-    assert (abs(matrix - matrix.T).max() < 1e-12 * abs(matrix).max()) == method.symmetric
-    assert "Form" in Missing(object(), Method)      # control
+@pytest.mark.slow
+@pytest.mark.parametrize("cells", ["quad", "tet", "hex"])
+def test_methods_on_other_cells(cells):
+    for method in (InteriorPenalty(), LDG(form="lifting"), Conforming()):
+        CheckMethod(method, cells=cells, order=2)
 
 
-def test_a_method_from_outside_solves_the_problem_with_forces():
-    own, ours = (Solve(Discretization(Example(), method, RectangleMesh(4))) for method in (Outside(), InteriorPenalty()))
-    assert np.array_equal(own.vector, ours.vector) and np.array_equal(own.Force("right"), ours.Force("right"))
+def Form(**members):
+    """The form of a method with some members replaced."""
+    disc = Disc()
+    return Wrong(disc.form, **members), disc.space
+
+
+def test_forms_and_methods_that_are_none():
+    disc = Disc()
+    CheckForm(*Form())
+    matrix = Csr(disc.form.Norm())
+    Refused("form SimpleNamespace has no .*Matrix, Norm, Prescribed", CheckForm, SimpleNamespace(), disc.space)
+    Refused(r"Wrong.Matrix\(\) has shape \(3, 3\)", CheckForm, *Form(Matrix=lambda: Native(matrix[:3, :3])))
+    Refused(r"Wrong.Matrix\(\) is not finite", CheckForm, *Form(Matrix=lambda: Native(np.nan * matrix)))
+    Refused(r"Wrong.Norm\(\) is not symmetric", CheckForm, *Form(Norm=lambda: Native(matrix + 0.1 * np.abs(matrix).multiply(
+        np.arange(48)[:, None] > np.arange(48)).tocsr())))
+    Refused(r"Wrong.Norm\(\) is not positive", CheckForm, *Form(Norm=lambda: Native(-matrix)))
+    Refused(r"Wrong.Prescribed\(\)\['top'\] has shape", CheckForm, *Form(Prescribed=lambda: {"top": np.zeros(3)}))
+    Refused("method SimpleNamespace has no .*Form, ScalarSpace, Space", CheckMethod, SimpleNamespace())
+    Refused("says that it is symmetric", CheckMethod, Wrong(METHODS["nipg"](), symmetric=True))
+    tilted = InteriorPenalty()
+    Refused("does not return an affine displacement", CheckMethod, Wrong(tilted, Form=lambda problem, *rest: tilted.Form(
+        replace(problem, dirichlet={region: 2 * value for region, value in problem.dirichlet.items()}), *rest)))
+
+
+def Answering(method, form=None, **answers):
+    """A method that answers otherwise, or makes its form with other members."""
+    if form:
+        answers["Form"] = lambda *data: Wrong(made := method.Form(*data), **form(made))
+    return Wrong(method, **answers)
+
+
+def test_methods_that_do_not_answer_for_themselves():
+    """Every question of the contract, answered wrongly; the wrappers themselves are no mistake."""
+    ip, h1 = InteriorPenalty(), Conforming()
+    CheckMethod(Answering(ip, form=lambda made: {}))
+    for words, method in {
+            "has symmetric = 'yes'; answer True or False": Answering(ip, symmetric="yes"),
+            "IP says discontinuous = False, and its elements have no dofs": Answering(ip, discontinuous=False),
+            "H1 says discontinuous = True, and its elements have some dofs": Answering(h1, discontinuous=True),
+            "IP says that displacements on Gamma_D are not weak": Answering(ip, weak=False),
+            "H1 says that displacements on Gamma_D are weak": Answering(h1, weak=True),
+            "has no FluxFunction, operators; .* contracts.FluxForm": Answering(h1, conservative=True),
+            "H1 says iterative = True, and is continuous": Answering(h1, iterative=True),
+            "not return an affine displacement": Answering(METHODS["wopsip"](), form=lambda _: {"consistent": True})}.items():
+        Refused(words, CheckMethod, method)
+
+
+def test_fluxes_that_are_none():
+    """Of the wrong size, without a region, not finite, without balance, and not those of FluxFunction."""
+    ip = InteriorPenalty()
+
+    def Fluxes(Change):
+        return Answering(ip, form=lambda made: {"Fluxes": lambda gfu: {
+            region: Change(flux) for region, flux in made.Fluxes(gfu).items()}})
+
+    def Flux(Change):
+        def FluxFunction(made, gfu):
+            return Change(made.FluxFunction(gfu))
+        return Answering(ip, form=lambda made: {"FluxFunction": lambda gfu: FluxFunction(made, gfu)})
+
+    def Halved(function):
+        function.vec.data = 0.5 * function.vec
+        return function
+
+    CheckMethod(Fluxes(np.copy))
+    CheckMethod(Flux(lambda function: function))
+    Refused("Fluxes.* has shape", CheckMethod, Fluxes(lambda flux: flux[:3]))
+    Refused("Fluxes.* is not finite", CheckMethod, Fluxes(lambda flux: np.nan * flux))
+    Refused("do not balance its elements", CheckMethod, Fluxes(lambda flux: 2 * flux))
+    Refused("is .*; give a dictionary", CheckMethod, Answering(ip, form=lambda made: {"Fluxes": lambda gfu: [1]}))
+    Refused("another by FluxFunction than by Fluxes", CheckMethod, Flux(Halved))
+    Refused("FluxFunction has .* coefficients", CheckMethod, Flux(lambda function: GridFunction(H1(function.space.mesh))))
+    Refused(r"Prescribed\(\)\[.*\] is not finite", CheckForm, *Form(Prescribed=lambda: {"top": np.full(48, np.nan)}))
+    Refused("is None; give NGSolve's sparse matrix", CheckForm, *Form(Norm=lambda: None))

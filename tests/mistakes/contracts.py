@@ -1,4 +1,7 @@
-"""Objects that do not keep their contracts, as in `mistakes`; `test_conformance` has one for each question that is asked."""
+"""Objects that do not keep their contracts, as in `mistakes`.
+
+`test_conformance` and `methods/test_contract` have one for each question that is asked.
+"""
 
 from types import SimpleNamespace
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ngsolve import CF, sin, x, y
-from problems import TEN, Example, Solved
+from ngsolve import CF, InnerProduct, Integrate, sin, x, y
+from problems import TEN, Example, Loaded, Solved
 
 from ngdgc import (LDG, BassiEtAl, ContactProblem, CoulombFriction, Discretization, EstimateError, Foundation, HookeMaterial,
                    InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, Solve)
@@ -106,6 +106,29 @@ def test_parts_find_what_causes_them():
     for rough in (Example(bodyforce=CF((0, 1000 * x ** 9))), Example(traction={"left": CF((200 * sin(20 * y), 0))})):
         solution = Solved(rough, InteriorPenalty(), mesh, 2)
         assert EstimateError(solution).parts["data"] > 1e-5 * np.sqrt(solution.energy)
+
+
+@pytest.mark.parametrize("cells", ["triangle", "quad"])
+def test_parts_are_their_integrals(cells):
+    """Hooke: C^-1 s:s = s:s/(2 mu) - lam/(2 mu + d lam) tr(s)^2/(2 mu); of shears on quadrilaterals the larger counts twice."""
+    mesh, mu, lam = RectangleMesh(3, cells=cells), 200 / 2.6, 60 / 0.52       # of E = 200, nu = 0.3
+    solution = Solved(Loaded(mesh), LDG(), mesh, 2)
+    found, stress, normal, shears = EstimateError(solution), error.EquilibratedStress(solution), 0.0, np.zeros(2)
+    for batch in stress.Batches():
+        s = batch.equilibrated - batch.computed
+        trace = np.einsum("nqii->nq", s)
+        normal += batch.Integral(s[..., 0, 0] ** 2 + s[..., 1, 1] ** 2 - lam / (2 * mu + 2 * lam) * trace ** 2).sum()
+        one, other = batch.Integral(s[..., 0, 1] ** 2), batch.Integral(s[..., 1, 0] ** 2)
+        shears += (one + other).sum(), 2 * np.maximum(one, other).sum()
+    assert shears[1] > 1.01 * shears[0]         # else the choice would make no difference
+    parts = {name: part ** 2 for name, part in found.parts.items()}
+    wanted = normal + shears[int(cells == "quad")]
+    assert parts["stress"] + parts["skew"] == pytest.approx(wanted / (2 * mu), rel=1e-10) and parts["skew"] > 0
+    law = lawpart.LawPart(solution, potential.Potential(solution), stress)
+    assert parts["law"] == pytest.approx(2 * sum(gaps.weights @ gaps.envelope for gaps in law), rel=1e-12)
+    assert parts["feasibility"] == pytest.approx(sum(gaps.weights @ gaps.infeasible for gaps in law), rel=1e-12)
+    energy = Integrate(InnerProduct(solution.stress, solution.strain), mesh, order=4)
+    assert found.relative == pytest.approx(found.value / np.sqrt(energy), rel=1e-10)
 
 
 def test_text_says_value_and_parts_and_asks_for_no_bound(monkeypatch):

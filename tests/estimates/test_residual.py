@@ -3,15 +3,16 @@
 import numpy as np
 import pytest
 from bodies import Distorted, Ring
-from ngsolve import CF, ElementId, exp, sin, specialcf, x, y
+from ngsolve import CF, ElementId, IfPos, exp, sin, specialcf, x, y
 from problems import GRADED, ORTHOTROPIC
 
-from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NonsymmetricInteriorPenalty, NormalCompliance, Solve)
+from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, Solve)
 from ngdgc.errors import EnergyError
 from ngdgc.estimates.contactresidual import ContactResidual
 from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.exact import AffinePatch, BodyForce, Exact, SmoothSlip, Traction
+from ngdgc.mesh.facets import Projected
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.traces import ThreeZones
 
@@ -87,6 +88,47 @@ def test_an_exact_solution_leaves_nothing_and_a_spoilt_one_does(method, sides):
     vector = solution.vector.copy()
     vector[5] += 1e-3 * np.abs(vector).max()
     assert ResidualEstimate(type(solution)(solution.disc, vector, solution.traction)).relative > 1e-5
+
+
+def Guessed(method, u, material, **data):
+    """A function in the place of a solution, of order 2 on four squares; without traction."""
+    problem = ContactProblem(material, Foundation("bottom", NormalCompliance(STIFF)), **data)
+    disc = Discretization(problem, method, RectangleMesh(2, cells="quad"), order=2)
+    return ContactSolution(disc, Projected(disc.space, u), np.zeros_like(disc.contact.normals))
+
+
+A, B, G, STIFF, STEP = 0.03, -0.02, 0.01, 7.0, IfPos(x - 0.5, 1.0, 0.0)
+
+
+def test_parts_of_a_step_are_the_formulas():
+    """u_h = (A, B) in the right half and 0 in the left: no stress, h = 1/2 everywhere, c = 2 mu, k = 2."""
+    mu, lam, k, h, f = 2.0, 3.0, 2, 0.5, 0.4
+    solution = Guessed(InteriorPenalty(), CF((A * STEP, B * STEP)), HookeMaterial(mu=mu, lam=lam), bodyforce=(0, f),
+                       dirichlet={"top": (0, 0)}, roller={"right": G})
+    parts = {name: part ** 2 for name, part in ResidualEstimate(solution).parts.items()}
+    inside = 2 * (mu * (A ** 2 + B ** 2 + A ** 2) + lam * A ** 2) / 4        # both sides see half of the jump
+    above = (mu * (A ** 2 + B ** 2 + B ** 2) + lam * B ** 2) / 2            # on half of the side
+    beside = (2 * mu + lam) * (A - G) ** 2
+    assert parts["jumps"] == pytest.approx(k ** 2 / h * (inside + above + beside), rel=1e-10)
+    assert parts["equilibrium"] == pytest.approx(h ** 2 / (2 * mu * k ** 2) * f ** 2, rel=1e-10)
+    # The graph of the law has the pressure p = stiffness r where p + gamma r = gamma (-B), on half of the side.
+    gamma = 2 * mu * k / h
+    pressure = STIFF * gamma / (STIFF + gamma) * -B
+    assert parts["law"] == pytest.approx(pressure ** 2 / gamma / 2, rel=1e-10)
+
+
+@pytest.mark.parametrize("method", [InteriorPenalty(), Conforming()], ids=lambda method: method.name)
+def test_parts_of_a_kink_are_the_formulas(method):
+    """u_h = A (x - 1/2)_+ e_x, E = 1 + 4 x, k = 2: sigma_h n is s E to the right of the kink and 0 to its left."""
+    nu, k, h, t = 0.25, 2, 0.5, 0.3
+    u = CF((A * (x - 0.5) * STEP, 0))
+    solution = Guessed(method, u, HookeMaterial(E=1 + 4 * x, nu=nu), dirichlet={"top": u}, traction={"left": (t, 0)})
+    left, right = 2 / (1 + nu), 4 / (1 + nu)        # c = 2 mu in the middle of the elements
+    s = A * (1 - nu) / ((1 + nu) * (1 - 2 * nu))
+    # Half of the difference on both sides of the kink; what is given where nothing is; all of it where the body is free.
+    wanted = (3 * s / 2) ** 2 * (1 / left + 1 / right) + t ** 2 / left + (5 * s) ** 2 / right
+    parts = ResidualEstimate(solution).parts
+    assert parts["tractions"] ** 2 == pytest.approx(h / k * wanted, rel=1e-8) and parts["jumps"] < 1e-10
 
 
 def test_indicators_sum_up_and_say_where():

@@ -6,8 +6,9 @@ from ngsolve import CF, x, y, z
 from problems import CASES
 
 from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, EstimateForce, Foundation, HookeMaterial,
-                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, Solve, WeaklyOverPenalised)
+                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, Solve, TrescaFriction, WeaklyOverPenalised)
 from ngdgc.estimates import adjoint, nitsche
+from ngdgc.estimates.goals import Goals
 from ngdgc.mesh.facets import Projected
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -133,6 +134,92 @@ def test_tractions_of_a_rotation_are_integrated_exactly(monkeypatch):
     assert Error() > 1e-6
 
 
+def test_ends_of_stick_are_found_on_both_sides(monkeypatch):
+    """u = (e - d x, 0): q_t = gamma u_t with Tresca's bound beta sticks between two points of the quadrature."""
+    d, e, beta = 0.01, 0.0064, 6.4
+    foundation = Foundation("bottom", NormalCompliance(1000), friction=TrescaFriction(beta))
+    problem = ContactProblem(HookeMaterial(mu=300, lam=400), foundation, dirichlet={"top": (0, 0)})
+    disc = Discretization(problem, InteriorPenalty(), RectangleMesh(4), order=2)
+
+    def Error():
+        linearised = nitsche.LinearisedContact(disc, Projected(disc.space, CF((e - d * x, 0))))
+        contact, gamma = linearised.contact, linearised.graph.scale[0]
+        # From beta to -beta around x = 0.64, beside the middle of a facet; the first moment about 0.
+        moment, half = contact.weights @ (contact.coordinates[:, 0] * linearised.traction[:, 0]), beta / (gamma * d)
+        assert half < 0.01
+        middle = e / d
+        exact = beta * ((1 - (middle + half) ** 2) / 2 - (middle - half) ** 2 / 2) + gamma * d * 2 * half ** 3 / 3
+        return abs(moment / exact + 1)
+
+    assert Error() < 1e-12
+    monkeypatch.setattr(nitsche, "ZonePieces", lambda *_: {})       # control
+    assert Error() > 1e-8
+
+
+def test_facets_of_a_solid_with_several_zones_are_divided(monkeypatch):
+    """u = (0, -b z, b y - a), as in the plane: parts of a quarter of the size leave a sixteenth of the error, or nearly."""
+    a, b, stiffness = 0.03, 0.07, 1000.0
+    problem = ContactProblem(HookeMaterial(E=2000, nu=0.3), Foundation("bottom", NormalCompliance(stiffness)),
+                             dirichlet={"top": (0, 0, 0)})
+    disc = Discretization(problem, InteriorPenalty(), BoxMesh(2, cells="hex"), order=1)
+
+    def Error():
+        linearised = nitsche.LinearisedContact(disc, Projected(disc.space, CF((0, -b * z, b * y - a))))
+        contact, gamma = linearised.contact, linearised.graph.scale[0]
+        exact = stiffness * gamma / (stiffness + gamma) * a ** 2 / (2 * b)
+        return abs(contact.weights @ contact.Normal(linearised.traction) / exact - 1)
+
+    divided = Error()
+    monkeypatch.setattr(nitsche, "ZonePieces", lambda *_: {})
+    assert divided < Error() / 8
+
+
+def Between(swapped):
+    """A body pressed by two foundations, on which it slips."""
+    foundations = (Foundation("bottom", NormalCompliance(500), friction=CoulombFriction(0.2), gap=0.01 * (1 - 1.5 * x)),
+                   Foundation("top", NormalCompliance(3000), gap=0.005 - 0.02 * x))
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundations[::-1] if swapped else foundations,
+                             dirichlet={"left": CF((0.01, -0.005))})
+    return Solve(Discretization(problem, LDG(), RectangleMesh(3), order=1))
+
+
+def test_each_foundation_has_its_own_force_and_pressure():
+    """Whatever their order, which is only that of the keys; the estimate is relative to the largest of a kind."""
+    goals = "force", ("pressure", "bottom"), ("pressure", "top"), ("displacement", (0.7, 0.4))
+    solution, other = Between(False), Between(True)
+    one, two = (EstimateForce(found, *goals) for found in (solution, other))
+    assert list(one.value) == ["bottom", "top", *goals[1:]] and list(two.value)[:2] == ["top", "bottom"]
+    for key in one.value:
+        for name in ("value", "error", "shares"):
+            first, second = (getattr(found, name)[key] for found in (one, two))
+            np.testing.assert_allclose(first, second, rtol=1e-6, atol=1e-7 * np.abs(one.value[key]).max())
+    for region in ("bottom", "top"):
+        np.testing.assert_allclose(one.value[region], solution.Force(region), rtol=1e-6, atol=1e-8)
+        assert 0 < one.value["pressure", region][0] < solution.pressure.max() * 1.001
+    kinds = [[key for key in one.value if (key if isinstance(key, str) else key[0]) in names]
+             for names in (("bottom", "top"), ("pressure",), ("displacement",))]
+    sizes = {key: max(np.linalg.norm(one.value[each]) for each in kind) for kind in kinds for key in kind}
+    assert one.relative == pytest.approx(max(np.abs(one.error[key]).max() / size for key, size in sizes.items()), rel=1e-12)
+    wanted = sum(np.abs(one.shares[key]).sum(axis=1) / size for key, size in sizes.items())
+    np.testing.assert_allclose(one.indicators, wanted, rtol=1e-12)
+
+
+def test_patch_of_the_pressure_at_an_end_and_on_one_facet():
+    """The pressure is largest at x = 0, where no point of a quadrature is; on a single facet none is in the patch."""
+    problem = Quadratic(2)[0]
+    solution = Solve(Discretization(problem, InteriorPenalty(), RectangleMesh(1)))
+    contact = (linearised := adjoint.Adjoint(solution).contact).contact
+    placed = Goals(solution, [("pressure", "bottom")])[0].Placed(contact, linearised.traction)
+    assert placed.centre.tolist() == [0, 0] and placed.radius == pytest.approx(1 / 8, rel=0.05)
+    assert solution.disc.contact.coordinates[:, 0].min() > placed.radius
+    nearest = solution.pressure[solution.disc.contact.coordinates[:, 0].argmin()]
+    estimate = EstimateForce(solution, ("pressure", "bottom"))
+    assert estimate.value["pressure", "bottom"][0] == pytest.approx(nearest, rel=1e-12)
+    # p = bulk B - 2 lam D x over the patch with weights 1 - x^2/R^2, at a distance of 3 R/8 on average.
+    wanted = (LAM + 2 * MU) * B - 2 * LAM * D * 3 / 64
+    assert estimate.corrected["pressure", "bottom"][0] == pytest.approx(wanted, rel=1e-3)
+
+
 def Block(stiffness):
     """Pressed, dragged, with a gap: a part of the bottom sticks, one slips, one is open."""
     foundation = Foundation("bottom", NormalCompliance(stiffness), friction=CoulombFriction(0.4), gap=0.004 * (x - 0.6) ** 2)
@@ -164,6 +251,23 @@ def test_shares_of_the_elements_add_up(method):
     assert estimate.indicators.sum() >= estimate.relative > 0
     # Shares of u_h tested with z itself would be those of the whole virtual work, hundreds of times the error.
     assert np.abs(estimate.shares["bottom"][:, 1]).sum() < 30 * abs(estimate.error["bottom"][1])
+
+
+def test_most_shares_have_the_sign_of_the_error():
+    """1.2 times the error in all; without the virtual work of the computed tractions it would be 1.5 times."""
+    estimate = EstimateForce(CASES["4.2"].Main(method=LDG(), order=1, n=8))
+    assert np.abs(estimate.shares["bottom"][:, 1]).sum() < 1.3 * abs(estimate.error["bottom"][1])
+
+
+@pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting"), Conforming()], ids=repr)
+def test_continuous_functions_leave_nothing_over(method):
+    """f - A u_h tested with z_k that vanishes on Gamma_D is the virtual work of the computed tractions."""
+    solution = CASES["4.1"].Main(method=method, order=2, n=4)
+    dual, contact = adjoint.Adjoint(solution), solution.disc.contact
+    smooth = dual._Smooth(np.random.default_rng(4).standard_normal(dual.fine.space.ndof))
+    there = np.asarray(dual._Function(smooth)(contact.inside)).reshape(-1, 2)
+    work = contact.weights @ np.sum(solution.traction * there, axis=1)
+    assert dual.rest @ smooth == pytest.approx(work, rel=1e-7) and abs(work) > 1e-3
 
 
 def test_all_goals_take_one_factorisation(monkeypatch):

@@ -1,0 +1,82 @@
+"""What an adaptive run decides from mesh to mesh: which elements, and how accurately the law is solved."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from bodies import Mixed
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, Integrate, Mesh
+
+from ngdgc import LDG, Discretization, EstimateError, InteriorPenalty, SolveAdaptive
+from ngdgc.cases import example_4_2
+from ngdgc.estimates import adaptive, measures
+from ngdgc.estimates.marking import Marked
+from ngdgc.estimates.refine import Refined
+from ngdgc.meshes import BoxMesh
+
+
+@pytest.mark.parametrize("excess, count", [(1.0, 61), (0.35, 61), (0.2, 41), (0.05, 21), (0.0, 21)])
+def test_twice_the_excess_is_marked_between_a_fifth_and_three_fifths(excess, count):
+    """Of a hundred and a bit equal elements, whose share no whole number of them meets."""
+    assert Marked(np.ones(101), excess).sum() == count
+
+
+def test_accuracy_of_the_law_follows_the_expected_error():
+    """A hundredth of it, 1e-4 at most; the law's own one where the mesh may be the last; the first time half is expected."""
+    run = adaptive._Run(tol=1e-3, law=1e-10, Measure=None, most=1, callback=None, words="")
+    def Tolerance(*errors):
+        return run._LawTolerance([SimpleNamespace(error=error) for error in errors])
+    assert Tolerance(0.5) == 1e-4                       # not 2.5e-3
+    assert Tolerance(0.01) == pytest.approx(5e-5)
+    assert Tolerance(0.02, 0.01) == pytest.approx(5e-5) and Tolerance(0.0125, 0.01) == pytest.approx(8e-5)
+    assert Tolerance(0.004, 0.0024) == 1e-10            # 1.44 times tol may be reached
+    assert Tolerance(0.004, 0.0026) == pytest.approx(1.69e-5)
+
+
+def test_a_mesh_that_is_sooner_good_enough_is_solved_to_the_end(monkeypatch):
+    monkeypatch.setattr(adaptive, "SURE", 0)            # none is expected to be the last
+    solution = SolveAdaptive(example_4_2.Problem(), InteriorPenalty(), example_4_2.Mesh(4), order=2, tol=0.05)
+    assert len(solution.levels) > 1 and solution.history[-1].residual <= 1e-10
+
+
+def test_what_a_run_keeps_and_what_it_hands_on(monkeypatch):
+    """The choices of the user on every mesh, no matrix or factors of the meshes before; powers of the error where it counts."""
+    marked, sums = [], []
+    monkeypatch.setattr(adaptive, "Marked", lambda indicators, excess: marked.append(excess) or Marked(indicators, excess))
+    monkeypatch.setattr(adaptive, "_CheckProgress", sums.append)
+    disc = Discretization(example_4_2.Problem(), LDG(), example_4_2.Mesh(4), order=2, assembly="skeleton", inverse="umfpack")
+    solution = adaptive.Adapt(disc, tol=0.1, goal="energy", most=10 ** 5, callback=None)
+    assert (solution.disc.assembly, solution.disc.wanted, solution.disc.order) == ("skeleton", "umfpack", 2)
+    assert solution.earlier and not any({"matrix", "inverse"} & one.disc.elastic.keys() for one in solution.earlier)
+    assert {"matrix"} <= solution.disc.elastic.keys()   # control
+    errors = [level.error for level in solution.levels[:-1]]
+    assert marked == pytest.approx([1 - (0.1 / error) ** 2 for error in errors])
+    assert sums[-1] == pytest.approx([one.estimate.value for one in solution.earlier])
+
+
+def test_indicators_sum_up_to_a_power_of_the_error():
+    solution = example_4_2.Main(method=LDG(), order=2, n=4)
+    energy, force = measures.Energy(solution), measures.Quantity("force", solution)
+    assert energy.power == 2 and np.sqrt(energy.indicators.sum()) == pytest.approx(EstimateError(solution).value)
+    assert force.power == 1 and force.error <= force.indicators.sum() < 10 * force.error
+
+
+def test_tetrahedra_are_bisected_once():
+    """And with the neighbours not many more; until all edges are halved the mesh would be three times as large."""
+    mesh = BoxMesh(2)
+    marked = np.zeros(mesh.ne, dtype=bool)
+    marked[[0, 5]] = True
+    assert mesh.ne + 2 <= Refined(mesh, marked).ne < 1.5 * mesh.ne
+
+
+def test_a_mesh_outlives_its_geometry():
+    """Netgen asks a SplineGeometry for new points, which nothing but the name is left of; straight elements need none."""
+    def Lonely():
+        geometry = SplineGeometry()
+        geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"])
+        return Mesh(geometry.GenerateMesh(maxh=0.5))
+
+    for mesh in (Lonely(), Mixed()):
+        fine = Refined(mesh, np.ones(mesh.ne, dtype=bool))
+        assert fine.ne > 2 * mesh.ne and Integrate(CF(1), fine) == pytest.approx(Integrate(CF(1), mesh), rel=1e-12)

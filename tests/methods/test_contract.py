@@ -8,9 +8,10 @@ import pytest
 from broken import Disc, Refused, Wrong
 from ngsolve import H1, GridFunction
 
-from ngdgc import LDG, Conforming, InteriorPenalty
+from ngdgc import LDG, Conforming, Discretization, InteriorPenalty
 from ngdgc.conformance import CheckForm, CheckMethod
 from ngdgc.mesh.facets import Csr, Native
+from ngdgc.meshes import RectangleMesh
 from ngdgc.methods.registry import METHODS
 
 
@@ -72,6 +73,15 @@ def test_methods_that_do_not_answer_for_themselves():
             "H1 says iterative = True, and is continuous": Answering(h1, iterative=True),
             "not return an affine displacement": Answering(METHODS["wopsip"](), form=lambda _: {"consistent": True})}.items():
         Refused(words, CheckMethod, method)
+
+
+def test_all_of_gamma_d_is_held():
+    """A space that forgets the second of two regions would solve another problem."""
+    h1, mesh, end = Conforming(), RectangleMesh(2), {"top": (0, 0), "left": (0, 0)}
+    problem = replace(Disc().problem, dirichlet=end)
+    forgetful = Answering(h1, Space=lambda mesh, order, clamped: h1.Space(mesh, order, clamped.split("|")[0]))
+    Refused("its space holds 6 of 10 dofs there", Discretization, problem, forgetful, mesh)
+    assert Discretization(problem, Answering(h1), mesh).space.ndof == 18        # control
 
 
 def test_fluxes_that_are_none():

@@ -1,5 +1,7 @@
 """The figure of the estimated error shows the share of every element."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -25,6 +27,17 @@ def test_elements_are_the_brighter_the_larger_their_share():
     assert len(found) == solution.disc.mesh.ne and found[order[-1]] == found.max()
     assert np.all(np.diff(found[order]) > -1e-9) and found.max() > 2 * found.min()     # viridis grows brighter
     assert f"{estimate.value:.3g}" in ErrorFigure(solution).axes[0].get_title()
+
+
+@pytest.mark.parametrize("squares, ends", [((4.0, 1.0), (1, 2)), ((1.0, 1e-12), (1e-4, 1)), ((9.0, 9.0), (1.5, 3)),
+                                           ((0.0, 0.0), (1e-4, 1))], ids=["plain", "decades", "equal", "nothing"])
+def test_colours_are_of_roots_in_four_decades_at_most(squares, ends):
+    """Shares of the same size have half of it at the other end of their scale, and no error has a scale as well."""
+    solution = example_4_2.Main(n=4, method=LDG())
+    estimate = EstimateError(solution)
+    indicators = np.resize(squares, solution.disc.mesh.ne)
+    figure = ErrorFigure(solution, estimate=replace(estimate, indicators=indicators))
+    assert figure.axes[1].get_ylim() == pytest.approx(ends)
 
 
 def test_other_estimates_are_drawn_as_well():

@@ -12,6 +12,7 @@ from ngdgc.exact import SmoothSlip
 from ngdgc.meshes import RectangleMesh
 from ngdgc.studies import effectivity
 from ngdgc.studies.effectivity import Difference, Estimated, Randoms, Saving
+from ngdgc.studies.samples import Draw
 
 
 @pytest.fixture(scope="module")
@@ -38,6 +39,30 @@ def test_random_problems_have_estimates_near_the_error(rows):
     assert len(rows) == 2 and all(0.8 < row.effectivity < 3 for row in rows)
     assert all(row.bound is None or row.bound > row.true for row in rows)
     assert all((row.bound is None) == ("q = 0" not in row.reason and "strict" not in row.reason) or row.reason for row in rows)
+
+
+@pytest.mark.slow
+def test_rows_say_which_problem_they_are_of(rows):
+    """By its number in the sequence; the mesh is that of the study, and what it does not estimate is left out."""
+    for row in rows:
+        number, words = row.words.split(": ", 1)
+        sample = Draw(1, int(number))
+        assert row.stiffness == sample.stiffness and sample.method.discontinuous and sample.mesh.args[1] != "cad"
+        mine, theirs = ([one for one in text.split() if one[:2] not in ("n=", "k=")] for text in (words, sample.words))
+        assert mine == theirs and f"n={effectivity.SIZES[2]}" in words.split()
+
+
+def test_orders_are_of_unknowns_in_the_plane():
+    """Errors that fall as N^(-p/2)."""
+    assert effectivity._Rate([(n, 7 * n ** -1.5) for n in (10, 40, 300, 1000)]) == pytest.approx(3, rel=1e-9)
+
+
+def test_farthest_rows_are_listed():
+    """Those of the largest ratio to 1.4, from both sides."""
+    rows = [Estimated(f"{n}: 2D", True, 10.0 ** n, 1.0, value, None, "-") for n, value in enumerate(
+        (1.4, 1.3, 1.5, 1.45, 0.6, 3.2, 2.9, 0.7, 1.35))]
+    text = effectivity.Page([], rows, [], seed=1, count=9, solids=0).split("The five farthest")[1]
+    assert [n for n in range(9) if f"{n}: 2D" in text] == [1, 4, 5, 6, 7]
 
 
 def test_page_counts_what_was_found():

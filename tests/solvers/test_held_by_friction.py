@@ -2,12 +2,16 @@
 
 import numpy as np
 import pytest
-from ngsolve import CF, x
+from netgen.occ import Box, Pnt
+from ngsolve import CF, x, y
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, NotConvergedError, SemismoothNewtonSolver)
 from ngdgc.cases import two_materials
+from ngdgc.contact.graph import STICK
+from ngdgc.meshes import ShapeMesh
+from ngdgc.solvers.nested import Coarser, Transfer
 from ngdgc.solvers.newton import setting, step
 from ngdgc.solvers.newton.pointwise import PointwiseEquation
 from ngdgc.solvers.newton.run import NewtonRun
@@ -80,3 +84,32 @@ def Held():
     """The block with its sides clamped."""
     problem = two_materials.Problem()
     return type(problem)(problem.material, problem.foundation, dirichlet={"side": (0, 0)}, traction=problem.traction)
+
+
+def Pulled():
+    """A plate of steel on a gasket, pulled with 0.97 of what friction can hold: on order 1 all of its points slip."""
+    plate = Box(Pnt(0, 0, 0), Pnt(8, 5, 1))
+    for face, name in zip(plate.faces, Sides(plate)):
+        face.name = name
+    load = {"top": CF((0.29, 0, -1 - 0.2 * (x - 4) - 0.03 * (y - 2.5)))}
+    foundation = Foundation("bottom", NormalCompliance(20), friction=CoulombFriction(0.3))
+    return Discretization(ContactProblem(HookeMaterial(E=210000, nu=0.3), foundation, traction=load), InteriorPenalty(),
+                          ShapeMesh(plate, 2.0), order=2)
+
+
+def Sides(plate):
+    return ["bottom" if face.center.z < 0.1 else "top" if face.center.z > 0.9 else "side" for face in plate.faces]
+
+
+def test_a_prediction_in_which_no_point_sticks_leaves_enough_stiffness(monkeypatch):
+    """With no more stiffness than beside points that stick, what order 1 predicts leads nowhere."""
+    disc = Pulled()
+    coarse = SemismoothNewtonSolver().Solve(Coarser(disc, disc.mesh, 1))
+    assert np.sum(coarse.zones == STICK) == 0
+    start = Transfer(coarse, disc.contact)
+    rest, found = SemismoothNewtonSolver().Solve(Pulled()), SemismoothNewtonSolver().Solve(disc, start=start)
+    assert np.abs(found.displacement - rest.displacement).max() < 1e-8 * np.abs(rest.displacement).max()
+    assert len(found.history) <= 6
+    monkeypatch.setattr(setting, "LOOSE", setting.FLOOR)
+    with pytest.raises(NotConvergedError, match="stagnates"):
+        SemismoothNewtonSolver().Solve(disc, start=start)

@@ -74,7 +74,7 @@ def test_a_path_turns_back_and_is_followed_nevertheless():
     assert path.Follow() is not None and min(np.diff(passed)) < -1e-3
 
 
-def test_time_is_limited():
+def test_steps_are_limited():
     disc = Strip()
-    assert Path(ContactResponse(disc), BodyStiffness(disc)).Follow(seconds=0) is None
+    assert Path(ContactResponse(disc), BodyStiffness(disc)).Follow(steps=0) is None
     assert Solve(disc).converged

@@ -63,7 +63,9 @@ def Steps(k):
 def test_slip_counts_on_any_foundation(monkeypatch):
     """The footing sinks by up to 1e8 of what it slips, and 22 points lift off: 3 to 5 steps of Newton's method, always."""
     assert max(Steps(k) for k in (50, 0.5, 5e-3, 5e-4, 5e-5, 5e-6)) <= 6
-    # Measured by displacements alone, slip is nothing until the body has come to rest, and then every step is too long.
+    # Measured by displacements alone, slip is nothing until the body has come to rest, and then every step is too long,
+    # unless the matrix holds it where all points slip.
+    monkeypatch.setattr(setting, "LOOSE", setting.FLOOR)
     monkeypatch.setattr(StiffenedBody, "Merit", lambda self, F: float(np.sum(self.setting.contact.weights[:, None] * F ** 2)))
     with pytest.raises((AssertionError, NotConvergedError)):
         assert max(Steps(k) for k in (5e-4, 5e-5)) <= 12

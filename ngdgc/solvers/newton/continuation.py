@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import dataclass
 
 from .record import Record
@@ -14,7 +13,7 @@ LOADSTEP = 1 / 32   # smallest one
 CORRECTIONS = 12    # Newton steps for one load
 ENOUGH = 1e-6       # of the merit, that is left after them
 WORK = 500          # applications of an inverse
-SECONDS = 15.0
+UNKNOWNS = 5e7      # for which all these solve together at most; time would depend on what else the machine does
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -29,8 +28,9 @@ def RaiseLoad(body: StiffenedBody, record: Record, tol: float) -> Raised:
     """Newton's method under a load that grows; its steps are recorded."""
     setting = body.setting
     state, load, increment = body.Evaluate(setting.graph.At(setting.Rest()), load=0.0), 0.0, FIRST
-    disc, before, end = setting.disc, setting.disc.solves, time.perf_counter() + SECONDS
-    while disc.solves - before <= WORK and time.perf_counter() <= end:
+    disc = setting.disc
+    end = disc.solves + min(WORK, UNKNOWNS / disc.matrix.height)
+    while disc.solves <= end:
         increment = min(increment, 1 - load)
         trial = record.Begin(body.Evaluate(state.point, load=load + increment))
         goal, count = ENOUGH * trial.merit, 0

@@ -14,7 +14,6 @@ of the determinant of the derivative with the tangent as its last row (Allgower,
 
 from __future__ import annotations
 
-import time
 
 import numpy as np
 import scipy as sp
@@ -31,7 +30,7 @@ LONGEST = 0.2       # step, relative to how far the path has come
 CORRECTIONS = 6     # Newton steps back to the path
 ACCURATE = 1e-11    # H there, relative to displacements
 STRAIGHT = 0.5      # cosine of the angle between tangents of one step
-SECONDS = 10.0      # for one path
+STEPS = 1000        # of one path
 
 
 class Path:
@@ -56,13 +55,12 @@ class Path:
         self.size = max(np.abs(self.free).max(), np.abs(contact.gap).max()) or 1.0
 
     @Batched
-    def Follow(self, seconds: float = SECONDS) -> GraphPoint | None:
-        """The `graph.GraphPoint` at s = 1, or None if it is not reached in this time."""
-        end = time.perf_counter() + seconds
+    def Follow(self, steps: int = STEPS) -> GraphPoint | None:
+        """The `graph.GraphPoint` at s = 1, or None if it is not reached in these steps."""
         z: Array = np.append(self.free / self.size, 0.0)
         length = LENGTH
         tangent = _Tangent(self._H(z)[1])
-        while time.perf_counter() < end:
+        for _ in range(steps):
             self.s = z[-1]
             last = z[-1] + length * tangent[-1] >= 1
             ahead = z + ((1 - z[-1]) / tangent[-1] if last else length) * tangent

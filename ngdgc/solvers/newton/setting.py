@@ -7,13 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...contact.boundary import ContactBoundary
-from ...contact.graph import ContactGraph, GraphPoint
+from ...contact.graph import STICK, ContactGraph, GraphPoint
 from ...contact.stiffness import CAP, BodyStiffness, LawStiffness
 from ...contracts import Array, LinearProblem
 from .holding import Holding
 from .pathfollowing import FEW
 
 FLOOR = 1e-4        # smallest D where nothing but the foundation holds the body, in units of what holds it (`Holding`)
+LOOSE = 1e-2        # the same where no point sticks, so that no other D resists a motion along the foundation
 STICKING = 0.003    # least stiffness of stick there, in units of gamma: much more hides what a soft foundation does
 TIMES = 10          # stiffness of stick there, in units of that of the foundation, between STICKING and CAP
 
@@ -60,5 +61,6 @@ class Setting:
         if self.holding is None:
             return LawStiffness(point, self.scale, self.contact.normals)
         sticking = np.clip(TIMES * self.holding.stiffness / self.scale, STICKING, CAP)
+        floor = FLOOR if np.any(point.zones == STICK) else LOOSE
         return (LawStiffness(point, self.scale, self.contact.normals, sticking=sticking[:, None])
-                + FLOOR * self.scale[:, None, None] * self.holding.slope)
+                + floor * self.scale[:, None, None] * self.holding.slope)

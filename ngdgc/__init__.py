@@ -6,6 +6,7 @@ from .discretization import Discretization
 from .estimates.adaptive import SolveAdaptive
 from .estimates.error import EstimateError
 from .estimates.force import EstimateForce
+from .estimates.zonelengths import EstimateZones
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .methods.conforming import Conforming
 from .methods.lifting import Lifting
@@ -28,8 +29,8 @@ __version__ = "0.2.0"
 # NGSolve's own Solve, which calls disc.Solve.
 __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
-           "EstimateError", "EstimateForce", "Foundation", "FrictionLaw", "HookeMaterial", "IncompleteInteriorPenalty",
-           "InteriorPenalty", "LDG", "Lifting", "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty",
-           "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver",
-           "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveInterrupted", "TrescaFriction", "UzawaSolver",
-           "WeaklyOverPenalised"]
+           "EstimateError", "EstimateForce", "EstimateZones", "Foundation", "FrictionLaw", "HookeMaterial",
+           "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting", "MultiStart", "NestedNewtonSolver",
+           "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG", "PowerFriction",
+           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveInterrupted",
+           "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]

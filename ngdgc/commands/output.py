@@ -129,16 +129,18 @@ def _Display(Close: Callable[[], object]) -> Callable[[str, bool], None] | None:
     return Display
 
 
-def _Estimated(solution: ContactSolution) -> Any:
-    """The estimate of the error of a converged solution, or None where there is none, as with added forms."""
+def _Estimate(solution: ContactSolution) -> None:
+    """Estimate the errors of a converged solution where that has not been done; there is no estimate with added forms."""
     from ..estimates.measures import Energy
+    from ..estimates.zonelengths import EstimateZones
 
     if not solution.converged:
-        return None
+        return
+    solution.zoneerrors = solution.zoneerrors or EstimateZones(solution)
     try:
-        return Energy(solution).estimate
+        solution.estimate = solution.estimate or Energy(solution).estimate
     except ProblemError:
-        return None
+        pass
 
 
 def SaveResults(solution: ContactSolution, files: Files) -> None:
@@ -146,7 +148,7 @@ def SaveResults(solution: ContactSolution, files: Files) -> None:
     try:
         files.Write("solution/", solution.Save, precious=True)
     finally:        # also of what cannot be saved, such as a method of one's own
-        solution.estimate = solution.estimate or _Estimated(solution)
+        _Estimate(solution)
         files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
         files.Text("report.txt", solution.Report())
 

@@ -28,9 +28,10 @@ SCHEMA = {
               "converged, and estimated relative error [1] or null, of each",
     "elastic_energy": "[stress length^d]", "normal_force": "int p_n [stress length^(d-1)]",
     "zones": "length or area of separation, stick and slip [length^(d-1)]",
+    "zone_errors": "estimated errors of these, or null",
     "estimated_error": "in the energy norm: value [sqrt(stress length^d)], relative to the solution [1], parts [as the value]; "
                        "or null",
-    "estimated_quantities": "of an adaptive run for other goals: value and error with its sign of each quantity; or null",
+    "estimated_quantities": "of an adaptive run, forces or other goals: value and signed error of each quantity; or null",
     "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
     "slip": "range of |u_t| [length]",
     "resultants": "of supports, loads and foundations: kind, region, force (d) [stress length^(d-1)], moment about the origin "
@@ -72,8 +73,8 @@ def Summary(solution: Any) -> dict[str, Any]:
         "solves": last.solves if last else None, "seconds": last.seconds if last else None,
         "contraction": asdict(solution.rates), "levels": [asdict(level) for level in solution.levels],
         "elastic_energy": solution.energy, "normal_force": solution.normalforce,
-        "zones": solution.ZoneLengths(),
-        "estimated_error": _Estimated(solution.estimate), "estimated_quantities": _Quantities(solution.estimate),
+        "zones": solution.ZoneLengths(), "zone_errors": solution.zoneerrors,
+        "estimated_error": _Estimated(solution.estimate), "estimated_quantities": _Quantities(solution),
         "penetration": _Range(solution.penetration), "pressure": _Range(solution.pressure),
         "friction": _Range(np.linalg.norm(solution.friction, axis=1)), "slip": _Range(slip),
         "resultants": [
@@ -96,9 +97,10 @@ def _Estimated(estimate: Any) -> dict[str, Any] | None:
     return {"value": estimate.value, "relative": estimate.relative, "parts": dict(estimate.parts)}
 
 
-def _Quantities(estimate: Any) -> dict[str, Any] | None:
-    """Of a `ForceEstimate`."""
-    if not hasattr(estimate, "corrected"):
+def _Quantities(solution: Any) -> dict[str, Any] | None:
+    """Of a `ForceEstimate`, that of an adaptive run for its goal, or that of the forces."""
+    estimate = solution.estimate if hasattr(solution.estimate, "corrected") else solution.forceerrors
+    if estimate is None:
         return None
     return {f"force {key}" if isinstance(key, str) else f"{key[0]} {key[1]}":
             {"value": value.tolist(), "error": estimate.error[key].tolist()} for key, value in estimate.value.items()}
@@ -157,7 +159,10 @@ def _Levels(levels: list[dict[str, Any]]) -> list[str]:
 def _Contact(numbers: dict[str, Any]) -> list[str]:
     length = "length" if numbers["dimension"] == 2 else "area"
     total = sum(numbers["zones"].values())
-    zones = ",  ".join(f"{name} {size:.4g} ({100 * size / total:.0f} %)" for name, size in numbers["zones"].items())
+    errors = numbers["zone_errors"] or {}
+    doubts = {name: f" +- {error:.2g}" if error else "" for name, error in errors.items()}
+    zones = ",  ".join(f"{name} {size:.4g}{doubts.get(name, '')} ({100 * size / total:.0f} %)"
+                       for name, size in numbers["zones"].items())
     rows = [("penetration u_n - g", "penetration"), ("pressure p_n", "pressure"), ("friction |sigma_t|", "friction"),
             ("slip |u_t|", "slip")]
     return [f"Contact boundary: {length} {total:.4g}", f"  {zones}",

@@ -38,6 +38,8 @@ class ContactSolution:
     case : name of the case that `ngdgc run` solved, None elsewhere
     levels : list of Level, one for each mesh of a nested or adaptive iteration, the last one the solution's own; else empty
     estimate : of the error, an ErrorEstimate if SolveAdaptive or `ngdgc run` made one, else None
+    zoneerrors : of ZoneLengths, {zone: error} by EstimateZones if `ngdgc run` made it, else None
+    forceerrors : ForceEstimate if `ngdgc run --error` made it, else None
     earlier : its ContactSolutions on the meshes before, else empty
 
     Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
@@ -52,6 +54,8 @@ class ContactSolution:
         self.levels, self._inverse = list(levels), inverse
         self.case: str | None = None
         self.estimate: Any = None
+        self.zoneerrors: dict[str, float] | None = None
+        self.forceerrors: Any = None
         self.earlier: list[ContactSolution] = []
 
     @property

@@ -10,13 +10,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
-from ngsolve import CF, BoundaryFromVolumeCF, InnerProduct, Norm, Trace, sqrt
+from ngsolve import CF, BoundaryFromVolumeCF, Norm
 from ngsolve.webgui import Draw
 
 from .contracts import Array
 from .exceptions import ProblemError
 from .mesh.facets import Coordinates, VolumePoints
-from .problem.materials import HookeMaterial
+from .solution.fields import SpatialStress, VonMises
 from .solution.solution import CheckSolution, ContactSolution
 from .solution.vtkfiles import VERTEX, ElementGrid, WriteUnstructured
 from .tools.calls import ByKeyword
@@ -237,24 +237,3 @@ def WriteContactVTK(solution: ContactSolution, path: str | PathLike[str]) -> Pat
 def _Spatial(vectors: Array) -> Array:
     """Vectors (n, d) with a third component 0 in 2D, (n, 3)."""
     return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
-
-
-@ByKeyword
-def SpatialStress(solution: ContactSolution) -> Any:
-    """C eps(u_h) as a CoefficientFunction (3, 3) [stress].
-
-    In 2D the out-of-plane component is that of the material: lam tr(eps) in plane strain, 0 in plane stress, and 0 for an
-    AnisotropicMaterial, whose plane matrix does not tell.
-    """
-    stress, material = solution.stress, solution.disc.problem.material
-    if solution.disc.mesh.dim == 3:
-        return stress
-    strained = isinstance(material, HookeMaterial) and material.plane == "strain"
-    normal = material.lam * Trace(solution.strain) if strained else CF(0)
-    return CF((stress[0, 0], stress[0, 1], 0, stress[1, 0], stress[1, 1], 0, 0, 0, normal), dims=(3, 3))
-
-
-@ByKeyword
-def VonMises(stress: Any) -> Any:
-    """sqrt(3/2 s:s) with the deviator s = sigma - tr(sigma)/3 I, for sigma of shape (3, 3) [stress]."""
-    return sqrt(1.5 * InnerProduct(stress, stress) - 0.5 * Trace(stress)**2)

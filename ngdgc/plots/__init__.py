@@ -13,8 +13,10 @@ from .comparison import ComparisonFigure
 from .contact import ContactFigure
 from .deformed import DeformedFigure
 from .estimate import ErrorFigure
+from .field import FieldFigure
 from .history import HistoryFigure
 from .law import LawFigure
+from .line import LineFigure
 from .setting import SettingFigure
 from .studies import AccuracyFigure, ConvergenceFigure, LockingFigure
 from .sweep import SweepFigure

@@ -55,10 +55,10 @@ def Unconverged(solution: ContactSolution) -> str:
     return "" if solution.converged else ", NOT CONVERGED"
 
 
-def Frame(axes: Any) -> Figure:
+def Frame(axes: Any, xlabel: str = "x [length]", ylabel: str = "y [length]") -> Figure:
     """Limits around everything, texts included, and a figure of the same shape."""
     figure = axes.figure
-    axes.set(xlabel="x [length]", ylabel="y [length]")
+    axes.set(xlabel=xlabel, ylabel=ylabel)
     for _ in range(3):
         axes.autoscale_view()
         shape = np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())
@@ -108,3 +108,21 @@ def DrawBlock(axes: Any, curve: Curve, gap: Array, thickness: float, reach: Sequ
             beyond = sign * length * Left(curve.normals[end])
             axes.add_patch(Polygon([surface[end], surface[end] + beyond, back[end] + beyond, back[end]], facecolor=RED,
                                    alpha=0.35, edgecolor="none", gid="beyond"))
+
+
+def LabelAt(axes: Any, curve: Curve, distance: float, words: str) -> None:
+    """Words outside a body at the middle of a curve; of a closed one around a hole, in the hole."""
+    (x,), (n,) = curve.Spaced(curve.s[-1])
+    offsets = curve.coordinates - curve.coordinates.mean(axis=0)
+    if curve.closed and np.sum(offsets * curve.normals) < 0:
+        x, n = curve.coordinates.mean(axis=0), np.zeros(2)
+    Label(axes, x, n, distance, words)
+
+
+def Label(axes: Any, x: Array, n: Array, distance: float, words: str) -> None:
+    """Words at x + distance n/|n| that grow away from x; n = 0 puts them on x."""
+    n = n / (np.linalg.norm(n) or 1)
+    horizontal = "center" if abs(n[0]) < 0.5 else "left" if n[0] > 0 else "right"
+    vertical = "center" if abs(n[1]) < 0.5 else "bottom" if n[1] > 0 else "top"
+    axes.text(*(x + distance * n), words, ha=horizontal, va=vertical, fontsize=9, zorder=4,
+              bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1})

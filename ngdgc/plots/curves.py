@@ -105,6 +105,11 @@ def Left(vectors: Array) -> Array:
     return np.stack([-vectors[..., 1], vectors[..., 0]], axis=-1)
 
 
+def Literal(name: str) -> str:
+    """The regular expression that matches this name only."""
+    return "".join(character if character.isalnum() or character == "_" else f"[{character}]" for character in name)
+
+
 def Intervals(disc: DiscreteProblem) -> int:
     degree = max(disc.order, disc.mesh.GetCurveOrder())
     return 1 if degree == 1 else 2 * degree + 2

@@ -17,8 +17,8 @@ from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
-from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, PlaneAxes, Thickness
-from .curves import Curve, Curves, ElementOutlines, Left, OutlinePoints, SplitByElement
+from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
+from .curves import Curve, Curves, ElementOutlines, Left, Literal, OutlinePoints, SplitByElement
 from .solid import SettingSurface
 
 ARROW = 0.12        # length of the longest arrow, relative to the body
@@ -49,18 +49,13 @@ def SettingFigure(disc: DiscreteProblem) -> Figure:
         "foundation": symbols.Contact, None: symbols.Free}
     for name in dict.fromkeys(mesh.GetBoundaries()):
         kind, region = roles.get(name, (None, None))
-        curves = Curves(disc, _Literal(name))
+        curves = Curves(disc, Literal(name))
         if curves:
             words, clear = draw[kind](region, curves)
-            symbols.Label(max(curves, key=lambda curve: curve.s[-1]), clear, f"{name}\n{words}")
+            LabelAt(axes, max(curves, key=lambda curve: curve.s[-1]), clear + 0.03 * symbols.size, f"{name}\n{words}")
     if problem.bodyforce is not None:
         symbols.BodyForce()
     return Frame(axes)
-
-
-def _Literal(name: str) -> str:
-    """The regular expression that matches this name only."""
-    return "".join(character if character.isalnum() or character == "_" else f"[{character}]" for character in name)
 
 
 def _Span(symbol: str, values: Array) -> str:
@@ -174,14 +169,3 @@ class _Symbols:
         self.axes.quiver(*tails.T, *vectors.T, color=colour, angles="xy", scale_units="xy", scale=1, units="inches",
                          width=0.022, headwidth=4.5, headlength=5, headaxislength=4.5, minlength=0.1, zorder=3)
         self.axes.update_datalim(np.concatenate([tails, tails + vectors]))
-
-    def Label(self, curve: Curve, clear: float, words: str) -> None:
-        (x,), (n,) = curve.Spaced(curve.s[-1])
-        n = n / np.linalg.norm(n)
-        offsets = curve.coordinates - curve.coordinates.mean(axis=0)
-        if curve.closed and np.sum(offsets * curve.normals) < 0:
-            x, n = curve.coordinates.mean(axis=0), np.zeros(2)      # in the middle of a hole
-        horizontal = "center" if abs(n[0]) < 0.5 else "left" if n[0] > 0 else "right"
-        vertical = "center" if abs(n[1]) < 0.5 else "bottom" if n[1] > 0 else "top"
-        self.axes.text(*(x + (clear + 0.03 * self.size) * n), words, ha=horizontal, va=vertical, fontsize=9, zorder=4,
-                       bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1})

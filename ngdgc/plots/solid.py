@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 import numpy as np
@@ -10,6 +11,7 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 from ngsolve import BND
 
@@ -19,7 +21,13 @@ from ..discrete.problem import DiscreteProblem
 from ..mesh.checks import Sides
 from ..mesh.facets import BoundaryFunction
 from ..solution.solution import ContactSolution
+from ..tools.values import Vectors
 from .canvas import BLUE, GREEN, RED, ZONE_COLOURS
+
+VIEWS = ((-25, -60), (25, 120))     # elevation and azimuth [degrees]: between them all six sides of a box are seen
+WIDE = 10           # of a figure with two views [inch]
+FLATTEST = 0.3      # extent of the axes in a direction, relative to the largest
+SEEN = 0.1          # cosine to the eye from which a side is seen
 
 
 def ContactMaps(solution: ContactSolution) -> Figure:
@@ -121,17 +129,35 @@ def SettingSurface(disc: DiscreteProblem) -> Figure:
     return Surface(faces, [KINDS[kinds[element.index]] for element in elements], "setting", present)
 
 
-def Surface(faces: Sequence[Array], colours: Any, title: str, legend: Mapping[str, str]) -> Figure:
-    """Faces (vertices, 3) in space, seen from below, where foundations are."""
-    figure = Figure(figsize=(7, 6), layout="constrained")
-    axes = figure.add_subplot(projection="3d")
-    axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, edgecolors="#222222", linewidths=0.4, alpha=0.9))
+def Surface(faces: Any, colours: Any, title: str, legend: Mapping[str, str], *, view: Sequence[float] | None = None,
+            names: Mapping[str, tuple[Array, Array]] = MappingProxyType({}), outlined: bool = True) -> Figure:
+    """Faces (vertices, 3) in space, seen from below, where foundations are, and from above and behind; or from one `view`.
+
+    names : {words: (place, outward normal)}, written where that side is seen
+    outlined : draw the edges of the faces
+    """
+    views: Any = VIEWS if view is None else (Vectors(view, (2,), "view", "give (elevation, azimuth) in degrees"),)
     points = np.concatenate(faces)
-    middle, reach = (points.max(axis=0) + points.min(axis=0)) / 2, np.ptp(points, axis=0).max() / 2
-    axes.set(**{f"{name}lim": (m - reach, m + reach) for name, m in zip("xyz", middle)},
-             **{f"{name}label": f"{name} [length]" for name in "xyz"})
-    axes.view_init(elev=-25, azim=-60)
-    axes.set_title(title, fontsize=10)
+    extents = np.maximum(np.ptp(points, axis=0), FLATTEST * np.ptp(points, axis=0).max())
+    middle = (points.max(axis=0) + points.min(axis=0)) / 2
+    figure = Figure(figsize=(WIDE if len(views) > 1 else 7, 5.2), layout="constrained")
+    for number, (elevation, azimuth) in enumerate(views, start=1):
+        axes: Any = figure.add_subplot(1, len(views), number, projection="3d", proj_type="ortho")
+        axes.add_collection3d(Poly3DCollection(faces, facecolors=colours, edgecolors="#222222" if outlined else colours,
+                                               linewidths=0.4 if outlined else 0.3))
+        axes.set(**{f"{name}lim": (m - extent / 2, m + extent / 2) for name, m, extent in zip("xyz", middle, extents)},
+                 **{f"{name}label": f"{name} [length]" for name in "xyz"})
+        axes.set_box_aspect(tuple(extents), zoom=0.9)
+        for axis, extent in zip((axes.xaxis, axes.yaxis, axes.zaxis), extents):
+            axis.set_major_locator(MaxNLocator(2 if extent < 0.5 * extents.max() else 4))
+        axes.view_init(elev=elevation, azim=azimuth)
+        e, a = np.radians([elevation, azimuth])
+        towards = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+        for words, (place, normal) in names.items():
+            if normal @ towards > SEEN:
+                axes.text(*(place + 0.05 * extents.max() * (normal + towards)), words, ha="center", va="center", fontsize=9,
+                          zorder=100, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1})
+    figure.suptitle(title, fontsize=10)
     if legend:
         figure.legend(handles=[Patch(facecolor=colour, label=label) for label, colour in legend.items()],
                       loc="outside lower center", ncols=len(legend), frameon=False)

@@ -2,13 +2,13 @@
 
 import numpy as np
 from mistakes import Block, Disc
-from ngsolve import CF, Grad, VoxelCoefficient
+from ngsolve import CF, Grad, VoxelCoefficient, x
 from problems import Example
 
 from ngdgc import EstimateError, Solve
 from ngdgc.errors import EnergyError, L2Error, StrainError
 from ngdgc.export import Animation
-from ngdgc.plots import ComparisonFigure, DeformedFigure, ErrorFigure, SettingFigure
+from ngdgc.plots import ComparisonFigure, DeformedFigure, ErrorFigure, FieldFigure, LineFigure, SettingFigure
 
 RESULTS = [
     # Pictures.
@@ -23,6 +23,21 @@ RESULTS = [
      "estimate is 0.1 | an ErrorEstimate | which EstimateError(solution) returns"),
     (lambda _: ErrorFigure(Solve(Disc()), estimate=EstimateError(Solve(Disc(n=3)))),
      "estimate has indicators of 18 elements | has 8 | give the estimate of this solution"),
+    (lambda _: FieldFigure(Solve(Disc()), "vonmisses"), "no field 'vonmisses' | choose one of | did you mean 'vonmises'?"),
+    (lambda _: FieldFigure(Solve(Disc()), 3), "field is 3 | a CoefficientFunction | or one of displacement, ux, uy, vonmises"),
+    (lambda _: FieldFigure(solution := Solve(Disc()), solution.gfu), "field has 2 components | give one of them | or Norm"),
+    (lambda _: FieldFigure(Solve(Disc()), 2 * Solve(Disc(n=3)).gfu[0]),
+     "field has a GridFunction on another mesh, of 18 elements | which has 8 | give a field on solution.disc.mesh"),
+    (lambda _: FieldFigure(Solve(Disc()), 1 / (x - x)), "field of your own | is not a finite real number | look for"),
+    (lambda _: FieldFigure(solution := Solve(Disc()), solution.disc.mesh.BoundaryCF({"left": 1})),
+     "field of your own | cannot be evaluated in the elements | give a CoefficientFunction that has values there"),
+    (lambda _: FieldFigure(Solve(Disc()), view=(0, 0)), "view is (0, 0) | the body is plane | leave it out"),
+    (lambda _: FieldFigure(Solve(Disc()), limits=(2, 1)), "limits is (2, 1) | the lowest and the highest | give"),
+    (lambda _: FieldFigure(Solve(Block()), cut=((0, 0, 0), (0, 0, 0))), "cut is | whose normal is 0 | give"),
+    (lambda _: FieldFigure(Solve(Block()), cut=((0, 0, 9), (0, 0, 1))),
+     "a plane that does not meet the body | extends from (0.0, 0.0, 0.0) to (1.0, 1.0, 1.0) | give another one"),
+    (lambda _: LineFigure(Solve(Disc()), (2, 0), (2, 1)), "the line from (2.0, 0.0) to (2.0, 1.0) | meets no element | give"),
+    (lambda _: LineFigure(Solve(Disc()), (0, 0), (0, 0)), "a and b are both (0.0, 0.0) | two ends of a line | give"),
     (lambda _: DeformedFigure(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: SettingFigure(Solve(Disc())),
      "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),

@@ -1,0 +1,58 @@
+"""Where boundary regions of a solid are: faces, places for their names, and the rims of plane cuts through them."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
+from ..mesh.checks import Sides
+
+ON = 1e-9       # distance of corners from a plane that they lie on, relative to the body
+
+
+class SurfaceFaces:
+    """The straight faces of the boundary of a solid.
+
+    numbers : of the boundary elements (n,);  regions : their names (n,);  corners : n arrays (vertices, 3)
+    middles : (n, 3);  normals : outward (n, 3)
+    """
+
+    def __init__(self, disc: DiscreteProblem) -> None:
+        facets, points = disc.facets, disc.mesh.ngmesh.Coordinates()
+        self.numbers = np.flatnonzero(Sides(facets, ".*"))
+        self.numbers = self.numbers[facets.neighbours[facets.boundary[0][self.numbers]] == 1]
+        sides, regions, vertices = (array[self.numbers] for array in facets.boundary)
+        self.regions = np.array(disc.mesh.GetBoundaries())[regions]
+        self.corners = [points[row[row >= 0]] for row in vertices]
+        self.middles = np.array([face.mean(axis=0) for face in self.corners])
+        inside = facets.vertices[facets.incidence.indices[facets.incidence.indptr[sides]]]
+        centres = np.array([points[row[row >= 0]].mean(axis=0) for row in inside])
+        normals = np.array([np.cross(face[1] - face[0], face[2] - face[0]) for face in self.corners])
+        normals *= np.sign(np.sum(normals * (self.middles - centres), axis=1))[:, None]
+        self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        self.size = float(np.ptp(points, axis=0).max())
+
+    def Places(self) -> dict[str, tuple[Array, Array]]:
+        """{region: (place on it, outward normal there)}: the middle of the face nearest to the middle of the region."""
+        places = {}
+        for name in dict.fromkeys(self.regions.tolist()):
+            mine = np.flatnonzero(self.regions == name)
+            nearest = mine[np.linalg.norm(self.middles[mine] - self.middles[mine].mean(axis=0), axis=1).argmin()]
+            places[name] = self.middles[nearest], self.normals[nearest]
+        return places
+
+    def Rims(self, origin: Array, normal: Array) -> dict[str, tuple[Array, Array]]:
+        """{region: (pieces (n, 2, 3), outward normals of their faces (n, 3))} where a plane cuts the faces."""
+        rims: dict[str, tuple[list[Array], list[Array]]] = {}
+        for name, face, outward in zip(self.regions.tolist(), self.corners, self.normals):
+            height = (face - origin) @ normal
+            height[np.abs(height) < ON * self.size] = ON * self.size
+            after, top = np.roll(face, -1, axis=0), np.roll(height, -1)
+            across = height * top < 0
+            if np.sum(across) == 2:
+                share = (height[across] / (height[across] - top[across]))[:, None]
+                pieces, normals = rims.setdefault(name, ([], []))
+                pieces.append(face[across] + share * (after - face)[across])
+                normals.append(outward)
+        return {name: (np.array(pieces), np.array(normals)) for name, (pieces, normals) in rims.items()}

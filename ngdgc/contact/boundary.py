@@ -20,6 +20,7 @@ from ..mesh.facets import Facets
 from ..mesh.pieces import Pieces
 from ..mesh.quadrature import BoundaryQuadrature
 from ..problem.problem import ContactProblem
+from .directions import LawNormals, Unit
 from .parts import CheckFinite, ContactPart, OverParts
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
@@ -41,7 +42,9 @@ class ContactBoundary:
 
     Attributes
     ----------
-    coordinates, normals : (n, d);  weights, gap : (n,) [length^(d-1)], [length]
+    coordinates : (n, d);  weights, gap : (n,) [length^(d-1)], [length]
+    normals, outward : (n, d) unit vectors, along which the law acts, and the outward normals; of a foundation without a normal
+        of its own they are the same
     boundaryelements, members : (pairs,), the pairs of a boundary element and a contact point on it; of discontinuous methods
         every point is in one pair
     measures : (n,) of the facet, or the mean of several [length^(d-1)]
@@ -65,8 +68,9 @@ class ContactBoundary:
         mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))   # n, pairs
         _, number = np.unique(self.boundaryelements, return_inverse=True)
         self.measures = mean @ np.bincount(number, weights)[number]
-        self.normals = mean @ normals
-        self.normals /= np.linalg.norm(self.normals, axis=1)[:, None]
+        directions = [LawNormals(foundation, part, facets.mesh.Boundaries(foundation.boundary))
+                      for foundation, part in zip(problem.foundation, parts)]
+        self.outward, self.normals = Unit(mean @ normals), Unit(mean @ np.concatenate(directions))
         self.coordinates, self.inside, points, owner = coordinates[first], inside[first], points[first], owner[first]
         self.trace = trace[(first[:, None] * dim + np.arange(dim)).ravel()]
         self.flexibility = np.ptp(self.coordinates, axis=0).max() / problem.material.ShearAt(self.inside).min()

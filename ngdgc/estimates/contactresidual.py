@@ -32,7 +32,7 @@ def ContactResidual(solution: ContactSolution) -> Array:
     elements = contact.inside["nr"]
     gamma = order * Softest(disc)[elements] / contact.measures ** (1 / (dim - 1))
     stress = np.asarray(solution.stress(contact.inside)).reshape(-1, dim, dim)
-    traction = -np.einsum("nij,nj->ni", stress, contact.normals)
+    traction = -np.einsum("nij,nj->ni", stress, contact.outward)
     graph = ContactGraph(contact, gamma)
     point = graph.At(graph.Coordinates(contact.Displacement(solution.vector), traction))
     square = np.sum((traction - point.traction) ** 2, axis=1) / gamma

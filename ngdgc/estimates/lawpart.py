@@ -29,6 +29,7 @@ from typing import Any
 
 import numpy as np
 
+from ..contact.directions import LawNormals
 from ..contact.graph import SLIP
 from ..contact.parts import ContactPart
 from ..contracts import Array
@@ -78,7 +79,7 @@ def Pushed(solution: Any, potential: Potential, stress: EquilibratedStress) -> P
         for corner in vertices[quadrature.boundaryelements].T:
             there = corner >= 0
             np.maximum.at(shift, corner[there], excess[there])
-            normals[corner[there]] = quadrature.normals[there]
+            normals[corner[there]] = points.normals[there]
     moved = -shift[:, None] * normals
     for region in disc.problem.dirichlet:
         held = vertices[disc.facets.On(region)[disc.facets.boundary[0]]]
@@ -93,17 +94,18 @@ def Pushed(solution: Any, potential: Potential, stress: EquilibratedStress) -> P
 
 
 class FoundationPoints:
-    """The m points of a fine quadrature on one foundation, its law and v there."""
+    """The m points of a fine quadrature on one foundation, its law and v there; `normals` (m, d), along which the law acts."""
 
     def __init__(self, disc: Any, foundation: Any, potential: Any) -> None:
         mesh, dim = disc.mesh, disc.mesh.dim
         self.quadrature = quadrature = BoundaryQuadrature.On(disc.facets, foundation.boundary, 2 * disc.order + DEGREE)
-        region, self._normals = mesh.Boundaries(foundation.boundary), quadrature.normals
-        self._part = ContactPart.On(foundation, slice(0, len(self._normals)), quadrature.points, region)
+        region = mesh.Boundaries(foundation.boundary)
+        self.normals = LawNormals(foundation, quadrature, region)
+        self._part = ContactPart.On(foundation, slice(0, len(self.normals)), quadrature.points, region)
         gap = ValuesAt(foundation.gap, quadrature.points, f"foundation {foundation.boundary!r}: gap", region)
         v = np.asarray(potential.gfu(quadrature.points)).reshape(-1, dim)
         self._r = self._Normal(v) - gap
-        self._slip = v - self._Normal(v)[:, None] * self._normals
+        self._slip = v - self._Normal(v)[:, None] * self.normals
         _, self._facet = np.unique(quadrature.boundaryelements, return_inverse=True)
         self._measure = np.bincount(self._facet, quadrature.weights)
         size, shear = self._measure[self._facet] ** (1 / (dim - 1)), disc.problem.material.ShearAt(quadrature.inside)
@@ -111,18 +113,18 @@ class FoundationPoints:
         self._gamma, self._price = 2 * shear * disc.order ** 2 / size, size / (2 * shear)
 
     def _Normal(self, vectors: Array) -> Array:
-        return np.einsum("mi,mi->m", vectors, self._normals)
+        return np.einsum("mi,mi->m", vectors, self.normals)
 
     def Gaps(self, stress: EquilibratedStress, slips: Array) -> LawGaps:
         """The LawGaps of an equilibrated traction."""
         t = -stress.Traction(self.quadrature)
         normal = self._Normal(t)
-        friction = t - normal[:, None] * self._normals
+        friction = t - normal[:, None] * self.normals
         given = _Pair(self, np.maximum(normal, 0), friction, slips[self.quadrature.boundaryelements])
-        replaced = t - given.p[:, None] * self._normals - given.friction
+        replaced = t - given.p[:, None] * self.normals - given.friction
         kept = given.envelope, self._price * (np.square(replaced).sum(axis=1) + given.missed ** 2)
         pair = _Pair(self, np.maximum(normal, 0), friction, False)
-        replaced = t - pair.near[0][:, None] * self._normals - pair.near[1]
+        replaced = t - pair.near[0][:, None] * self.normals - pair.near[1]
         mean = self._Mean(replaced)
         moved = pair.moved, self._price * (np.square(replaced - mean).sum(axis=1) + self._sizes * np.square(mean).sum(axis=1))
         cost = [np.bincount(self._facet, self.quadrature.weights * (2 * law + rest)) for law, rest in (kept, moved)]

@@ -61,7 +61,7 @@ class LinearisedContact:
         fine = self.fine
         scalar = fine.method.ScalarSpace(fine.mesh, fine.order)
         contact = ContactBoundary(fine.problem, fine.facets, fine.space, scalar, degree, pieces)
-        n, inside = contact.normals, contact.inside
+        n, inside = contact.outward, contact.inside
         C = StiffnessAt(fine.problem.material, inside, contact.dim)
         volumes = Integrate(CF(1), fine.mesh, VOL, element_wise=True).NumPy()[inside["nr"]]
         graph = ContactGraph(contact, STABLE * fine.order ** 2 * contact.measures / volumes
@@ -104,7 +104,7 @@ def TractionMatrix(fine: DiscreteProblem, contact: ContactBoundary) -> Any:
     scalar = fine.method.ScalarSpace(fine.mesh, fine.order)
     C = StiffnessAt(fine.problem.material, inside, dim)
     mapping = np.linalg.inv(np.asarray(specialcf.JacobianMatrix(dim, dim)(inside)).reshape(-1, dim, dim))   # dxi_m/dx_l
-    onreference = -np.einsum("nj,nijkl,nml->nikm", contact.normals, C, mapping)
+    onreference = -np.einsum("nj,nijkl,nml->nikm", contact.outward, C, mapping)
     rows, columns, entries, last = [], [], [], None
     for number, (x, y, z, element) in enumerate(zip(inside["x"], inside["y"], inside["z"], inside["nr"])):
         if element != last:

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from ngsolve import BND, QUAD, SEGM, TRIG, VOL, ElementId, IntegrationRule, Region, specialcf
 
+from ..contact.directions import Unit
 from ..contracts import Array
+from ..data.coefficients import VectorsAt
 from ..data.inside import OnBoundary
 from ..discrete.problem import DiscreteProblem
 from ..mesh.facets import REFERENCE_VERTICES, Coordinates
+from ..problem.foundation import Foundation
 
 GAP = 1.1   # pieces of Gamma_C follow each other in a plot at this multiple of their length
 
@@ -72,6 +75,14 @@ def Curves(disc: DiscreteProblem, region: str) -> list[Curve]:
         following.setdefault(ends[0], []).append((ends[1], edge))
     return [Curve(*[np.concatenate(arrays) for arrays in zip(*edges)], boundary)    # type: ignore[call-arg]
             for edges in _Chains(following)]
+
+
+def FoundationCurves(disc: DiscreteProblem, foundation: Foundation) -> list[Curve]:
+    """The `Curve`s of a foundation; `normals` are those along which its law acts."""
+    found = Curves(disc, foundation.boundary)
+    if foundation.normal is None:
+        return found
+    return [replace(curve, normals=Unit(VectorsAt(foundation.normal, curve.points, "normal", curve.region))) for curve in found]
 
 
 def Along(disc: DiscreteProblem, region: str) -> Iterator[tuple[Array, Any, Curve]]:

@@ -15,7 +15,7 @@ from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.values import Finite
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
-from .curves import Curves, ElementOutlines, Left, SplitByElement
+from .curves import Curves, ElementOutlines, FoundationCurves, Left, SplitByElement
 from .solid import DeformedSurface
 
 
@@ -35,7 +35,7 @@ def DeformedFigure(solution: ContactSolution, *, scale: float = 1) -> Figure:
         return DeformedSurface(solution, scale)
     _, axes = PlaneAxes()
     for foundation in (part.foundation for part in contact.parts):
-        for curve in Curves(disc, foundation.boundary):
+        for curve in FoundationCurves(disc, foundation):
             mine = np.unique(contact.members[np.isin(contact.boundaryelements, curve.points["nr"])])
             moved = (contact.coordinates + scale * solution.displacement)[mine]
             deepest = scale * solution.penetration[mine].max()

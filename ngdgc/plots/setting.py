@@ -18,7 +18,7 @@ from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
-from .curves import Curve, Curves, ElementOutlines, Left, Literal, OutlinePoints, SplitByElement
+from .curves import Curve, Curves, ElementOutlines, FoundationCurves, Left, Literal, OutlinePoints, SplitByElement
 from .solid import SettingSurface
 
 ARROW = 0.12        # length of the longest arrow, relative to the body
@@ -39,7 +39,7 @@ def SettingFigure(disc: DiscreteProblem) -> Figure:
     _, axes = PlaneAxes()
     _DrawMaterials(axes, disc)
     for foundation in problem.foundation:
-        for curve in Curves(disc, foundation.boundary):
+        for curve in FoundationCurves(disc, foundation):
             DrawBlock(axes, curve, ValuesAt(foundation.gap, curve.points, "gap", curve.region), Thickness(disc, curve))
     roles = {name: (kind, region) for kind, region in problem.Regions()
              for name, found in zip(mesh.GetBoundaries(), mesh.Boundaries(region).Mask()) if found}
@@ -146,7 +146,7 @@ class _Symbols:
     def Contact(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, "black", 3)
         foundation = next(foundation for foundation in self.problem.foundation if foundation.boundary == region)
-        curve = max(curves, key=lambda curve: curve.s[-1])
+        curve = max(FoundationCurves(self.disc, foundation), key=lambda curve: curve.s[-1])
         x, n, g = curve.Spaced(curve.s[-1] / 7, ValuesAt(foundation.gap, curve.points, "gap", curve.region)[:, None])
         if g[1, 0] > 0.035 * self.size:
             middle = x[1] + g[1, 0] / 2 * n[1]

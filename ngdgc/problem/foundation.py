@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ..contracts import Compliance, Datum, Friction
-from ..data.coefficients import Pointwise, Scalar
+from ..contracts import Compliance, Datum, Friction, VectorDatum
+from ..data.coefficients import Pointwise, Scalar, Vector
 from ..data.regions import RegionName
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
@@ -23,8 +23,15 @@ class Foundation:
     """A deformable foundation under the boundary region `boundary` (a regular expression, as in NGSolve).
 
     `compliance` is a ComplianceLaw; `friction` a FrictionLaw or None for a frictionless foundation; `gap` the initial
-    distance g [length] along the outward normal, number or scalar CoefficientFunction.  The theory wants g >= 0
+    distance g [length] along the normal, number or scalar CoefficientFunction.  The theory wants g >= 0
     (2.12); the formulas hold for negative g, a body that starts inside its foundation, and it is accepted.
+
+    `normal` is N, a vector of any length that points from the body into the foundation, N.n > 0, constant or a
+    CoefficientFunction; None is the outward normal n of the body.  Pressure, gap and slip are along and across N:
+
+        r = u.N - g,    t = p_n(r) N + t_t,    t_t perpendicular to N,    |t_t| <= p_t,
+
+    t per area of the undeformed Gamma_C.  On a flat foundation a rounded body so has no horizontal force without friction.
 
     Raises ProblemError if a derivative that a law returns is not that of its pressure, bound or slip factor, if one of these
     is negative, or if the pressure is not zero without penetration (2.13).
@@ -32,17 +39,20 @@ class Foundation:
     >>> from ngdgc import NormalCompliance, TrescaFriction
     >>> Foundation("bottom", NormalCompliance(450), friction=TrescaFriction(1), gap=0.05).gap
     0.05
+    >>> Foundation("rim", NormalCompliance(450), normal=(0, -1))
+    Foundation(boundary='rim', compliance=NormalCompliance(stiffness=450.0, exponent=1), gap=0.0, normal=(0, -1))
     """
 
     boundary: str
     compliance: Any
     friction: Any = None
     gap: Any = 0.0
+    normal: Any = None
     __repr__ = Described
 
     if TYPE_CHECKING:
         def __init__(self, boundary: str, compliance: Compliance, friction: Friction | None = None,
-                     gap: Datum = 0.0) -> None: ...
+                     gap: Datum = 0.0, normal: VectorDatum | None = None) -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boundary", RegionName(self.boundary, "foundation"))
@@ -53,6 +63,8 @@ class Foundation:
             raise ProblemError(f"friction is {self.friction!r}; give a law such as CoulombFriction(0.3), an object with "
                                "Bound(r, p), or None")
         object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
+        if self.normal is not None:
+            object.__setattr__(self, "normal", Vector(self.normal, f"normal of foundation {self.boundary!r}"))
         where = f"on the foundation of {self.boundary!r}"
         if not Pointwise(self.compliance):
             CheckCompliance(Watched(self.compliance), 1, f"{LawName(self.compliance)} {where}")

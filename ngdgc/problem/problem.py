@@ -85,6 +85,9 @@ class ContactProblem:
                 yield f"{name}[{region!r}]", value.dim
         if self.bodyforce is not None:
             yield "bodyforce", self.bodyforce.dim
+        for foundation in self.foundation:
+            if foundation.normal is not None:
+                yield f"normal of foundation {foundation.boundary!r}", foundation.normal.dim
         if isinstance(self.material, AnisotropicMaterial):
             yield "material", self.material.dim
 

@@ -35,7 +35,8 @@ def Fingerprint(solution: Any, penetration: Array, slip: Array, numbering: Any) 
     disc = solution.disc
     problem, contact = disc.problem, disc.contact
     yield "points", contact.coordinates
-    yield "gaps", contact.gap
+    own = any(part.foundation.normal is not None for part in contact.parts)
+    yield "gaps", np.column_stack([contact.gap, contact.normals]) if own else contact.gap
     yield "loads", _Renumbered(disc.load, numbering)
     yield "energies", np.array([solution.energy])
     yield "pressures", contact.Pressure(penetration)

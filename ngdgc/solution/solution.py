@@ -43,7 +43,7 @@ class ContactSolution:
     earlier : its ContactSolutions on the meshes before, else empty
 
     Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
-    (n,) come with them.
+    (n,) come with them; the normals are those along which the law acts, outward or a foundation's own.
     """
 
     def __init__(self, disc: Any, vector: Any, traction: Any, *, history: Iterable[Step] = (), converged: bool = True,

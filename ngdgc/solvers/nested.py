@@ -166,7 +166,7 @@ def Transfer(coarse: ContactSolution, contact: ContactBoundary) -> tuple[Array, 
     displacement, traction = np.empty_like(contact.normals), np.empty_like(contact.normals)
     values = np.concatenate([coarse.displacement, coarse.traction], axis=1)
     for source, target in ((before.points, after.points) for before, after in zip(old.parts, contact.parts)):
-        fitted = LocalFit(old.coordinates[source], values[source], contact.coordinates[target], contact.normals[target])
+        fitted = LocalFit(old.coordinates[source], values[source], contact.coordinates[target], contact.outward[target])
         displacement[target], traction[target] = np.split(fitted, 2, axis=1)
     return displacement, traction
 

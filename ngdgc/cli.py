@@ -149,7 +149,8 @@ def _AddRun(commands: Commands) -> None:
     run.add_argument("--error", type=Finite, help="refine the mesh until its estimated error is at most this part of the "
                      "solution, in the energy norm: for example --n 4 --error 0.01")
     run.add_argument("--maxiter", type=Positive, help="limit of iterations (default 10000 for uzawa, 100 for newton)")
-    run.add_argument("--scale", type=Finite, default=1.0, help="factor of the displacement in the pictures (default 1, real)")
+    run.add_argument("--scale", type=NumberOrAuto, default="auto", help="factor of the displacement in the pictures: 1 is "
+                     "real, auto (default) enlarges it where it would not be seen")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
     run.set_defaults(command=Run)
 

@@ -6,7 +6,7 @@ import html
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib import colormaps
@@ -17,10 +17,10 @@ from .contracts import Array
 from .exceptions import ProblemError
 from .mesh.facets import Coordinates, VolumePoints
 from .solution.fields import SpatialStress, VonMises
+from .solution.magnification import Magnification
 from .solution.solution import CheckSolution, ContactSolution
 from .solution.vtkfiles import VERTEX, ElementGrid, WriteUnstructured
 from .tools.calls import ByKeyword
-from .tools.values import Finite
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
 COLOURS = colormaps["viridis"](np.linspace(0, 1, 12))[:, :3].tolist()    # NGSolve's own rainbow is not colour-blind safe
@@ -80,15 +80,16 @@ CONTROLS = """<div class="unit">|u| [length]</div>
 class Scene:
     """The deformed body, coloured by |u| [length], in NGSolve's viewer: the last line of a notebook cell shows it.
 
-    scale : the deformation is drawn at `scale` times the displacement, 1 is real; a slider runs from the undeformed body to it
+    scale : the deformation is drawn at `scale` times the displacement, 1 is real, "auto" one at which it is seen; a slider runs
+        from the undeformed body to it
 
     The elements move with their own one-sided displacements, so the jumps of a DG solution show.  Nothing is loaded from a
     network, neither in the notebook nor by the page that `Write` makes.
     """
 
-    def __init__(self, solution: ContactSolution, *, scale: float = 1) -> None:
+    def __init__(self, solution: ContactSolution, *, scale: float | Literal["auto"] = 1) -> None:
         CheckSolution(solution)
-        self.solution, self.scale = solution, Finite(scale, "scale", "give a number, 1 for the displacement as it is")
+        self.solution, self.scale = solution, Magnification(solution, scale)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.solution!r}, scale={self.scale:g})"
@@ -120,7 +121,7 @@ class Animation(Scene):
     came to its solution.
     """
 
-    def __init__(self, solutions: Sequence[ContactSolution], *, scale: float = 1) -> None:
+    def __init__(self, solutions: Sequence[ContactSolution], *, scale: float | Literal["auto"] = 1) -> None:
         self.solutions = list(solutions)
         for number, solution in enumerate(self.solutions, start=1):
             CheckSolution(solution, f"solution {number}")
@@ -142,7 +143,7 @@ class Animation(Scene):
 
 
 @ByKeyword
-def WriteHTML(solution: ContactSolution, path: str | PathLike[str], *, scale: float = 1) -> Path:
+def WriteHTML(solution: ContactSolution, path: str | PathLike[str], *, scale: float | Literal["auto"] = 1) -> Path:
     """Write the page of a `Scene`; returns its Path."""
     return Scene(solution, scale=scale).Write(path)
 

@@ -58,7 +58,7 @@ def Compare(options: Namespace) -> int:
                     raise
         finally:
             if solutions:
-                Write(files, "comparison", Table(solutions), lambda: {"comparison": ComparisonFigure(solutions)})
+                Write(files, "comparison", Table(solutions), lambda: {"comparison": ComparisonFigure(solutions, scale="auto")})
     return 0 if all(solution.converged for solution in solutions.values()) else 1
 
 

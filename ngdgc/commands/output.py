@@ -10,7 +10,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import IO, Any, cast
+from typing import IO, Any, Literal, cast
 
 from ..exceptions import ProblemError
 from ..solution.history import Level, Prediction, Step
@@ -153,10 +153,10 @@ def SaveResults(solution: ContactSolution, files: Files) -> None:
         files.Text("report.txt", solution.Report())
 
 
-def DrawResults(solution: ContactSolution, files: Files, *, scale: float = 1.0) -> None:
-    """Write page, VTK and figures; `scale` multiplies the displacement in the pictures.
+def DrawResults(solution: ContactSolution, files: Files, *, scale: float | Literal["auto"] = "auto") -> None:
+    """Write page, VTK and figures; `scale` multiplies the displacement in the pictures, "auto" so that it is seen.
 
-    With another scale than 1 the deformed body is drawn at that scale too.
+    With a number other than 1 the deformed body is drawn at that scale too, beside the one in real size.
     """
     from ..export import WriteContactVTK, WriteHTML, WriteVTK
     from ..plots import ContactFigure, DeformedFigure, ErrorFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
@@ -164,12 +164,13 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float = 1.0) 
     files.Write("solution.html", partial(WriteHTML, solution, scale=scale))
     files.Write("solution.vtu", partial(WriteVTK, solution))
     files.Write("contact.vtu", partial(WriteContactVTK, solution))
-    figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution),
+    first: float | Literal["auto"] = "auto" if scale == "auto" else 1
+    figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution, scale=first),
                "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
                "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}
     if hasattr(solution.estimate, "parts"):     # of the energy
         figures["error"] = lambda: ErrorFigure(solution, estimate=solution.estimate)
-    if scale != 1:
+    if scale not in (1, "auto"):
         figures["deformed-scaled"] = lambda: DeformedFigure(solution, scale=scale)
     for name, Figure in figures.items():
         files.Write(f"{name}.png", partial(_DrawInto, Figure))
@@ -180,7 +181,7 @@ def _DrawInto(Figure: Callable[[], Any], path: str) -> None:
 
 
 @ByKeyword
-def WriteResults(solution: ContactSolution, folder: str | Path, *, scale: float = 1.0) -> list[str]:
+def WriteResults(solution: ContactSolution, folder: str | Path, *, scale: float | Literal["auto"] = "auto") -> list[str]:
     """Write into a folder all that `ngdgc run` leaves; the list of names."""
     files = Files(folder)
     SaveResults(solution, files)

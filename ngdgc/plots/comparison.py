@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..contracts import Array
 from ..exceptions import ProblemError
+from ..solution.magnification import Magnification
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
-from ..tools.values import Finite
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Panel, Unconverged
 from .curves import Along, Left
 from .deformed import DrawElements
 from .solid import DrawMap, TangentFrame, TangentLabel
+from .surface import SPACE, VIEWS, DeformedFaces, DrawFaces
 
 COLOURS = (*FOUNDATION_COLOURS, VERMILION, "black")
 LINES = ("-", "--", "-.", ":")
@@ -26,16 +28,17 @@ ROW = 3         # deformed bodies in a row
 
 
 @ByKeyword
-def ComparisonFigure(solutions: Mapping[str, ContactSolution], *, scale: float = 1) -> Figure:
+def ComparisonFigure(solutions: Mapping[str, ContactSolution], *, scale: float | Literal["auto"] = 1) -> Figure:
     """Solutions {label: ContactSolution} of one problem, for example by several methods.
 
     2D: pressure p_n and friction sigma_t along s, as in `ContactFigure`, on common axes, a column for each foundation; below,
-    the deformed bodies with common axes.  3D: maps of the pressure in common colours, a row for each solution.
-    scale : of the displacement in the deformed bodies, 1 is real
+    the deformed bodies with common axes.  3D: maps of pressure and friction, a row for each solution and the same colours for
+    all, over the deformed bodies.
+
+    scale : of the displacement in the deformed bodies, 1 is real, "auto" the smallest that is right for one of them
 
     Raises ProblemError if there is no solution, or if dimension or foundations differ.
     """
-    scale = Finite(scale, "scale", "give a number, 1 for the displacement as it is")
     if not isinstance(solutions, dict) or not solutions:
         raise ProblemError(f"solutions is {solutions!r}; give a dictionary of ContactSolutions by their labels, "
                            'such as {"IP": first, "H1": second}')
@@ -46,7 +49,8 @@ def ComparisonFigure(solutions: Mapping[str, ContactSolution], *, scale: float =
         if _Kind(solution) != _Kind(first):
             raise ProblemError(f"solution {label!r} has (dimension, foundations) {_Kind(solution)}, the first one "
                                f"{_Kind(first)}; compare solutions of one problem")
-    return _Maps(solutions) if first.disc.mesh.dim == 3 else _Curves(solutions, scale)
+    common = min(Magnification(solution, scale) for solution in solutions.values())
+    return _Maps(solutions, common) if first.disc.mesh.dim == 3 else _Curves(solutions, common)
 
 
 def _Kind(solution: ContactSolution) -> tuple[Any, ...]:
@@ -100,18 +104,42 @@ def _DrawBodies(figure: Any, solutions: Mapping[str, ContactSolution], scale: fl
     figure.supylabel("y [length]", fontsize=10)
 
 
-def _Maps(solutions: Mapping[str, ContactSolution]) -> Figure:
-    parts = next(iter(solutions.values())).disc.contact.parts
-    figure = Figure(figsize=(WIDTH, 2.5 * len(solutions) + 0.5), layout="constrained")
-    grid = figure.subplots(len(solutions), len(parts), squeeze=False, sharex="col", sharey="col")
-    largest = [max(solution.pressure[solution.disc.contact.parts[number].points].max() for solution in solutions.values())
+def _Maps(solutions: Mapping[str, ContactSolution], scale: float) -> Figure:
+    """Maps of pressure and friction, a row for each solution and one scale for all, over the deformed bodies."""
+    parts, rows = next(iter(solutions.values())).disc.contact.parts, -(-len(solutions) // ROW)
+    heights = [2.0 * len(solutions), 2.3 * rows]
+    figure = Figure(figsize=(max(WIDTH, 2 * 2.9 * len(parts)), sum(heights) + 0.4), layout="constrained")
+    halves: Any = figure.subfigures(2, 1, height_ratios=heights)
+    upper, lower = halves
+    columns = [(number, "pressure $p_n$ [stress]", {label: solution.pressure for label, solution in solutions.items()})
                for number in range(len(parts))]
-    for row, (label, solution) in zip(grid, solutions.items()):
-        for axes, top, part in zip(row, largest, solution.disc.contact.parts):
-            frame = np.array(TangentFrame(solution.normals[part.points].mean(axis=0)))
-            drawn = DrawMap(axes, solution, part.points, frame, array=solution.pressure, clim=(0, top), cmap="viridis",
-                            gid="pressure")
-            axes.set(xlabel=TangentLabel(frame[0]), ylabel=TangentLabel(frame[1]))
-            axes.set_title(f"{label}{Unconverged(solution)}, {part.foundation.boundary!r}", fontsize=10)
-            figure.colorbar(drawn, ax=axes, label="pressure $p_n$\n[stress]")
+    columns += [(number, "friction $|\\sigma_t|$ [stress]",
+                 {label: np.linalg.norm(solution.friction, axis=1) for label, solution in solutions.items()})
+                for number in range(len(parts))]
+    for column, (number, words, values) in enumerate(columns):
+        _DrawColumn(upper, solutions, column, len(columns), number, words, values)
+    for number, (label, solution) in enumerate(solutions.items(), start=1):
+        axes: Any = lower.add_subplot(rows, min(len(solutions), ROW), number, **SPACE)
+        faces, colours, _ = DeformedFaces(solution, scale)
+        DrawFaces(axes, faces, colours, VIEWS[0])
+        axes.set_title(label, fontsize=10)
+        axes.set(xlabel="", ylabel="", zlabel="")
+    lower.supxlabel(f"x, y, z [length], displacement x {scale:g}", fontsize=10)
     return figure
+
+
+def _DrawColumn(figure: Any, solutions: Mapping[str, ContactSolution], column: int, columns: int, number: int, words: str,
+                values: Mapping[str, Array]) -> None:
+    """Maps of one quantity on one foundation, one below the other, with one bar of colours."""
+    top = max(values[label][solution.disc.contact.parts[number].points].max() for label, solution in solutions.items())
+    drawn, stack = None, []
+    for row, (label, solution) in enumerate(solutions.items()):
+        part = solution.disc.contact.parts[number]
+        stack.append(figure.add_subplot(len(solutions), columns, row * columns + column + 1))
+        frame = np.array(TangentFrame(solution.normals[part.points].mean(axis=0)))
+        drawn = DrawMap(stack[-1], solution, part.points, frame, array=values[label], clim=(0, top or 1), cmap="viridis",
+                        gid=words.partition(" ")[0])
+        stack[-1].set_title(f"{label}{Unconverged(solution)}, {part.foundation.boundary!r}", fontsize=10)
+        stack[-1].set_ylabel(TangentLabel(frame[1]))
+    stack[-1].set_xlabel(TangentLabel(frame[0]))
+    figure.colorbar(drawn, ax=stack, label=words, location="bottom", aspect=15)

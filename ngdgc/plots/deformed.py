@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, Literal
 
 import numpy as np
 from matplotlib.collections import PolyCollection
@@ -11,28 +12,31 @@ from matplotlib.figure import Figure
 from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..mesh.facets import Coordinates
+from ..solution.magnification import Magnification
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
-from ..tools.values import Finite
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, FoundationCurves, Left, SplitByElement
-from .solid import DeformedSurface
+from .surface import DeformedSurface
 
 
 @ByKeyword
-def DeformedFigure(solution: ContactSolution, *, scale: float = 1) -> Figure:
+def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] = 1,
+                   view: Sequence[float] | None = None) -> Figure:
     """The deformed mesh over the foundations, as figures 2 and 4 of the paper.
 
-    scale : displacement and gap are drawn at `scale` times their values, so that what overlaps is in contact; 1 is real
+    scale : displacement and gap are drawn at `scale` times their values, so that what overlaps is in contact; 1 is real,
+        "auto" one at which the displacement of a stiff body is seen (`Magnification`); the title says it
+    view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
 
     Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
-    beyond Gamma_C, as far as the body has slid.  In 3D the surface of the body, seen from below, without the foundations.
+    beyond Gamma_C, as far as the body has slid.  In 3D the surface of the body, without the foundations.
     """
     CheckSolution(solution)
-    scale = Finite(scale, "scale", "give a number, 1 for the displacement as it is")
+    scale = Magnification(solution, scale)
     disc, contact = solution.disc, solution.disc.contact
     if disc.mesh.dim == 3:
-        return DeformedSurface(solution, scale)
+        return DeformedSurface(solution, scale, view)
     _, axes = PlaneAxes()
     for foundation in (part.foundation for part in contact.parts):
         for curve in FoundationCurves(disc, foundation):

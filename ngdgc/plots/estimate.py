@@ -17,7 +17,7 @@ from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from .canvas import Frame, PlaneAxes
 from .curves import ElementOutlines, SplitByElement
-from .solid import Surface
+from .surface import Surface
 
 DECADES = 4     # of shares at most that have colours of their own
 

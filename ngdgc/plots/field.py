@@ -22,7 +22,8 @@ from .canvas import Frame, Label, LabelAt, PlaneAxes, Unconverged
 from .curves import Curve, Curves, Literal, OutlinePoints
 from .patches import CutPatches, Patches, PlanePatches, SurfacePatches
 from .regions import SurfaceFaces
-from .solid import Surface, TangentFrame, TangentLabel
+from .solid import TangentFrame, TangentLabel
+from .surface import Surface
 
 COLOURS = "viridis"
 LINES = 2000        # elements up to which their outlines are drawn
@@ -120,7 +121,7 @@ def _Surface(solution: ContactSolution, field: Field, limits: Array | None, view
     values = field.At(patches.points)
     colours = _Colours(values, limits)
     figure = Surface(patches.coordinates[patches.triangles], colours.to_rgba(values[patches.triangles].mean(axis=1)),
-                     _Title(solution, field, values), {}, view=view, names=SurfaceFaces(solution.disc).Places(), outlined=False)
+                     _Title(solution, field, values), {}, view=view, regions=SurfaceFaces(solution.disc), outlined=False)
     figure.colorbar(colours, ax=figure.axes, label=field.label, shrink=0.7, extend=_Beyond(values, colours.norm))
     return figure
 

@@ -8,6 +8,7 @@ from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..mesh.checks import Sides
 
+SEEN = 0.1      # cosine to the eye from which a face is seen
 ON = 1e-9       # distance of corners from a plane that they lie on, relative to the body
 
 
@@ -33,11 +34,14 @@ class SurfaceFaces:
         self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         self.size = float(np.ptp(points, axis=0).max())
 
-    def Places(self) -> dict[str, tuple[Array, Array]]:
-        """{region: (place on it, outward normal there)}: the middle of the face nearest to the middle of the region."""
-        places = {}
-        for name in dict.fromkeys(self.regions.tolist()):
-            mine = np.flatnonzero(self.regions == name)
+    def Places(self, towards: Array) -> dict[str, tuple[Array, Array]]:
+        """{region: (place on it, outward normal there)} of what is seen by an eye in a direction (3,).
+
+        The place is the middle of a face, of that nearest to the middle of all its faces that are turned to the eye.
+        """
+        places, turned = {}, self.normals @ towards > SEEN
+        for name in dict.fromkeys(self.regions[turned].tolist()):
+            mine = np.flatnonzero(turned & (self.regions == name))
             nearest = mine[np.linalg.norm(self.middles[mine] - self.middles[mine].mean(axis=0), axis=1).argmin()]
             places[name] = self.middles[nearest], self.normals[nearest]
         return places

@@ -19,23 +19,27 @@ from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
 from .curves import Curve, Curves, ElementOutlines, FoundationCurves, Left, Literal, OutlinePoints, SplitByElement
-from .solid import SettingSurface
+from .settingsolid import SettingSurface
+from .words import Prescribed, Span
 
 ARROW = 0.12        # length of the longest arrow, relative to the body
 
 
 @ByKeyword
-def SettingFigure(disc: DiscreteProblem) -> Figure:
+def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None) -> Figure:
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 
     Clamped boundaries are hatched, rollers stand on circles, foundations are red blocks, tractions are arrows of a length
-    proportional to |f_2| that end or begin at the boundary.  In 3D the surface of the body, coloured by what acts on it.
+    proportional to |f_2| that end or begin at the boundary.  In 3D the surface of the body, coloured by what acts on it, with
+    the values, and arrows of tractions and prescribed displacements.
+
+    view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
     """
     if not isinstance(disc, DiscreteProblem):
         raise ProblemError(f"disc is {disc!r}; give a Discretization, that of a solution is solution.disc")
     problem, mesh = disc.problem, disc.mesh
     if mesh.dim == 3:
-        return SettingSurface(disc)
+        return SettingSurface(disc, view)
     _, axes = PlaneAxes()
     _DrawMaterials(axes, disc)
     for foundation in problem.foundation:
@@ -56,19 +60,6 @@ def SettingFigure(disc: DiscreteProblem) -> Figure:
     if problem.bodyforce is not None:
         symbols.BodyForce()
     return Frame(axes)
-
-
-def _Span(symbol: str, values: Array) -> str:
-    """Words for values (n,) or (n, d): the value if it is constant, else the range of its size."""
-    values = np.where(np.abs(values) > 1e-12 * np.abs(values).max(), values, 0)
-    if np.all(np.ptp(values, axis=0) <= 1e-9 * np.abs(values).max()):
-        text = ", ".join(f"{value:.4g}" for value in np.atleast_1d(values[0]))
-        return f"{symbol} = ({text})" if values.ndim == 2 else f"{symbol} = {text}"
-    if values.ndim == 2:
-        symbol, values = f"|{symbol}|", np.linalg.norm(values, axis=1)
-        if np.ptp(values) <= 1e-9 * values.max():
-            return f"{symbol} = {values[0]:.4g}"
-    return f"{symbol} = {values.min():.4g} to {values.max():.4g}"
 
 
 def _Values(at: Callable[..., Array], value: Any, curves: Sequence[Curve], name: str) -> Array:
@@ -118,7 +109,7 @@ class _Symbols:
             self.axes.add_collection(LineCollection([*np.stack([x, x + length * (n + Left(n))], axis=1)], colors="black",
                                                     linewidths=0.9))
         value = _Values(VectorsAt, self.problem.dirichlet[region], curves, "dirichlet")
-        return f"prescribed\n{_Span('u', value)}" if np.any(value) else "clamped", length
+        return Prescribed("dirichlet", value), length
 
     def Roller(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, GREEN, 2)
@@ -130,7 +121,7 @@ class _Symbols:
                                                     edgecolors=GREEN, linewidths=1))
             self.axes.plot(*(curve.coordinates + 2.8 * radius * curve.normals).T, color=GREEN, linewidth=0.9)
         value = _Values(ValuesAt, self.problem.roller[region], curves, "roller")
-        return f"roller\n{_Span('$u_n$', value)}" if np.any(value) else "roller", 3 * radius
+        return Prescribed("roller", value), 3 * radius
 
     def Traction(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, BLUE, 2)
@@ -141,7 +132,7 @@ class _Symbols:
             inward = np.sum(f * n, axis=1) < 0
             self._Arrows(x + 0.015 * self.size * n - np.where(inward[:, None], f, 0), f, BLUE)
             clear = max(clear, np.abs(np.sum(f * n, axis=1)).max() + 0.015 * self.size)
-        return f"traction\n{_Span('$f_2$', _Values(VectorsAt, self.problem.traction[region], curves, 'traction'))}", clear
+        return Prescribed("traction", _Values(VectorsAt, self.problem.traction[region], curves, "traction")), clear
 
     def Contact(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, "black", 3)
@@ -154,7 +145,7 @@ class _Symbols:
                 "arrowstyle": "<->", "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7, "linewidth": 0.9})
             self.axes.text(*(middle + 0.04 * self.size * Left(n[1])), "g", ha="center", va="center", fontsize=9)
         gap = _Values(ValuesAt, foundation.gap, curves, "gap")
-        return f"foundation\n{_Span('g', gap)}", g.max() + Thickness(self.disc, curve)
+        return Prescribed("foundation", gap), g.max() + Thickness(self.disc, curve)
 
     def BodyForce(self) -> None:
         values = VectorsAt(self.problem.bodyforce, VolumePoints(self.disc.mesh, self.disc.order), "bodyforce")
@@ -162,7 +153,7 @@ class _Symbols:
         corner = self.axes.dataLim.max + [0.08 * self.size, 0]
         force = ARROW * self.size * mean / (largest or 1)
         self._Arrows((corner - force / 2)[None], force[None], VERMILION)
-        self.axes.text(*(corner + [0, 0.6 * ARROW * self.size]), f"body force\n{_Span('$f_1$', values)}", color=VERMILION,
+        self.axes.text(*(corner + [0, 0.6 * ARROW * self.size]), f"body force\n{Span('$f_1$', values)}", color=VERMILION,
                        fontsize=9, ha="center", va="bottom")
 
     def _Arrows(self, tails: Array, vectors: Array, colour: str) -> None:

@@ -9,6 +9,7 @@ from problems import Pressed
 from ngdgc import Conforming, InteriorPenalty, ProblemError, UzawaSolver
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.cli import Main
+from ngdgc.mesh.facets import BoundaryFunction
 from ngdgc.meshes import BoxMesh
 from ngdgc.commands.output import WriteResults
 from ngdgc.plots import ComparisonFigure, HistoryFigure, LawFigure, ZonesFigure
@@ -35,6 +36,26 @@ def test_comparison_has_every_method_on_common_scales(lifting, varying, solid):
     maps = [axes.collections[0] for axes in ComparisonFigure({"LDG": solid, "H1": coarse}).axes[:2]]
     top = max(solid.pressure.max(), coarse.pressure.max())
     assert [drawn.get_clim() for drawn in maps] == [(0, top)] * 2 and solid.pressure.max() != coarse.pressure.max()
+
+
+def test_comparison_of_solids_has_friction_and_deformed_bodies(solid):
+    """Frictions in the same colours for both; every face of the bodies moved by the same multiple of its displacement."""
+    coarse = Pressed(solid.disc.problem.foundation, BoxMesh(2), (0.05, 0.02, -0.04), method=Conforming())
+    figure = ComparisonFigure({"LDG": solid, "H1": coarse}, scale=2)
+    drawings = [axes.collections[0] for axes in figure.axes if axes.collections]
+    frictions = [drawn for drawn in drawings if drawn.get_gid() == "friction"]
+    sizes = [np.linalg.norm(solution.friction, axis=1) for solution in (solid, coarse)]
+    assert [drawn.get_clim() for drawn in frictions] == [(0, max(map(np.max, sizes)))] * 2
+    for drawn, size in zip(frictions, sizes):
+        assert set(drawn.get_array()) == set(size)
+    bodies = [axes for axes in figure.axes if axes.name == "3d"]
+    assert [axes.get_title() for axes in bodies] == ["LDG", "H1"]
+    for axes, solution in zip(bodies, (solid, coarse)):
+        corners, moved = BoundaryFunction(solution.disc.facets, solution.gfu)
+        faces = np.asarray(axes.collections[0]._faces)
+        for scale, same in ((2, True), (1, False)):
+            expected = np.array([x + scale * u for x, u in zip(corners, moved)])
+            assert np.allclose(faces, expected, atol=1e-12) == same
 
 
 def test_what_cannot_be_compared_is_refused(lifting, varying, solid):

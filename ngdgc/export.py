@@ -10,13 +10,13 @@ from typing import Any, Literal
 
 import numpy as np
 from matplotlib import colormaps
-from ngsolve import CF, BoundaryFromVolumeCF, Norm
+from ngsolve import CF, BoundaryFromVolumeCF
 from ngsolve.webgui import Draw
 
 from .contracts import Array
 from .exceptions import ProblemError
 from .mesh.facets import Coordinates, VolumePoints
-from .solution.fields import SpatialStress, VonMises
+from .solution.fields import Field, FieldOf, SpatialStress, VonMises
 from .solution.magnification import Magnification
 from .solution.solution import CheckSolution, ContactSolution
 from .solution.vtkfiles import VERTEX, ElementGrid, WriteUnstructured
@@ -36,7 +36,7 @@ body { font: 13px sans-serif; }
 .unit { position: fixed; left: 4%; top: calc(6% + 22px); pointer-events: none; }
 @media (max-width: 560px) { .dg.main, .dg .close-button { width: 110px !important; } }
 </style>"""
-CONTROLS = """<div class="unit">|u| [length]</div>
+CONTROLS = """<div class="unit">{words}</div>
 <div class="ngdgc"><button id="play">Play</button> <input id="time" type="range" min="0"> <span id="label"></span>
 <div>{caption}</div></div>
 <script>
@@ -78,7 +78,9 @@ CONTROLS = """<div class="unit">|u| [length]</div>
 
 @ByKeyword
 class Scene:
-    """The deformed body, coloured by |u| [length], in NGSolve's viewer: the last line of a notebook cell shows it.
+    """The deformed body in colours, in NGSolve's viewer: the last line of a notebook cell shows it.
+
+    field : whose values are the colours, by default |u|: a name or a CoefficientFunction, as for `ngdgc.plots.FieldFigure`
 
     scale : the deformation is drawn at `scale` times the displacement, 1 is real, "auto" one at which it is seen; a slider runs
         from the undeformed body to it
@@ -87,16 +89,17 @@ class Scene:
     network, neither in the notebook nor by the page that `Write` makes.
     """
 
-    def __init__(self, solution: ContactSolution, *, scale: float | Literal["auto"] = 1) -> None:
+    def __init__(self, solution: ContactSolution, *, field: Any = "displacement", scale: float | Literal["auto"] = 1) -> None:
         CheckSolution(solution)
         self.solution, self.scale = solution, Magnification(solution, scale)
+        self.field = FieldOf(solution, field)
 
     def __repr__(self) -> str:
         return f"{type(self).__name__}({self.solution!r}, scale={self.scale:g})"
 
     def _repr_html_(self) -> str:
         """A frame that holds the whole page, for notebooks."""
-        return (f'<iframe srcdoc="{html.escape(self.Page())}" title="ngdgc: displacement" loading="lazy" '
+        return (f'<iframe srcdoc="{html.escape(self.Page())}" title="ngdgc: {html.escape(self.field.plain)}" loading="lazy" '
                 f'style="width: 100%; height: {HEIGHT}px; border: 0"></iframe>')
 
     def Write(self, path: str | PathLike[str]) -> Path:
@@ -108,8 +111,8 @@ class Scene:
     def Page(self) -> str:
         """The text of the page."""
         # The viewer blends positions linearly: between the undeformed body and the deformed one in the same colours.
-        states = [_State(self.solution, scale, [self.solution]) for scale in (0, self.scale)]
-        return _Page(states, self.solution, self.scale, labels=None)
+        states = [_State(self.solution, self.field, scale, [self.solution]) for scale in (0, self.scale)]
+        return _Page(states, self.solution, self.field, self.scale, labels=None)
 
 
 @ByKeyword
@@ -121,25 +124,30 @@ class Animation(Scene):
     came to its solution.
     """
 
-    def __init__(self, solutions: Sequence[ContactSolution], *, scale: float | Literal["auto"] = 1) -> None:
+    def __init__(self, solutions: Sequence[ContactSolution], *, field: str = "displacement",
+                 scale: float | Literal["auto"] = 1) -> None:
         self.solutions = list(solutions)
         for number, solution in enumerate(self.solutions, start=1):
             CheckSolution(solution, f"solution {number}")
         if len(kinds := {(solution.disc.mesh.dim, _Degree(solution)) for solution in self.solutions}) != 1:
             raise ProblemError(f"an animation shows solutions of one dimension and order; given are {len(self.solutions)} with "
                                f"(dimension, order) {sorted(kinds) or 'none'}; give load steps of one Discretization")
-        super().__init__(self.solutions[-1], scale=scale)
+        if not isinstance(field, str):
+            raise ProblemError(f"field is {field!r}, a function of one state; give the name of a field, such as 'vonmises'")
+        super().__init__(self.solutions[-1], field=field, scale=scale)
 
     def __repr__(self) -> str:
         return f"Animation({len(self.solutions)} solutions, scale={self.scale:g})"
 
     def Page(self) -> str:
-        states = [_State(solution, self.scale, self.solutions) for solution in self.solutions]
+        states = [_State(solution, FieldOf(solution, self.field.name), self.scale, self.solutions)
+                  for solution in self.solutions]
         meshes = [solution.disc.mesh.ne for solution in self.solutions]
         sizes = [f", {elements} elements" if len(set(meshes)) > 1 else "" for elements in meshes]
-        labels = [f"step {number} of {len(states)}{size}, max |u| = {state['funcmax']:.3g}, deformation x {self.scale:g}"
+        labels = [f"step {number} of {len(states)}{size}, max {self.field.plain} = {state['funcmax']:.3g}, "
+                  f"deformation x {self.scale:g}"
                   for number, (state, size) in enumerate(zip(states, sizes), start=1)]
-        return _Page(states, self.solution, self.scale, labels)
+        return _Page(states, self.solution, self.field, self.scale, labels)
 
 
 @ByKeyword
@@ -152,37 +160,40 @@ def _Degree(solution: ContactSolution) -> int:
     return max(solution.disc.order, solution.disc.mesh.GetCurveOrder())
 
 
-def _State(solution: ContactSolution, scale: float, shown: Sequence[ContactSolution]) -> Any:
+def _State(solution: ContactSolution, field: Field, scale: float, shown: Sequence[ContactSolution]) -> Any:
     """What the viewer draws of a solution, with the camera for all that are shown."""
     mesh = solution.disc.mesh
     if mesh.dim == 3:
         # On the boundary NGSolve evaluates a discontinuous function to garbage unless it is asked for its volume trace.
-        displacement, view = BoundaryFromVolumeCF(solution.gfu), {"draw_vol": False, "euler_angles": [-70, 0, -25]}
+        displacement, function = BoundaryFromVolumeCF(solution.gfu), BoundaryFromVolumeCF(field.function)
+        view = {"draw_vol": False, "euler_angles": [-70, 0, -25]}
     else:
-        displacement, view = CF(solution.gfu), {}
+        displacement, function, view = CF(solution.gfu), field.function, {}
     # The norm as a scalar: of a vector the viewer would take the range of its first component for the colours.
     # The outline of the body would be displaced by such boundary values; the lines of the mesh are right.
     settings = {"Objects": {"Edges": False}, "Light": LIGHT}
     # NGSolve's own `scale` moves no vertex of a scalar in the plane.
-    return Draw(Norm(displacement), mesh, "|u|", deformation=scale * displacement, settings=settings, show=False,
+    return Draw(function, mesh, field.plain, deformation=scale * displacement, settings=settings, show=False,
                 order=_Degree(solution), colors=COLOURS, **_Camera(shown, scale), **view).GetData()
 
 
-def _Page(states: Any, solution: ContactSolution, scale: float, labels: Any) -> str:
+def _Page(states: Any, solution: ContactSolution, field: Field, scale: float, labels: Any) -> str:
     """NGSolve's page of the last state, with controls to go to the others, which have the same colours."""
     from webgui_jupyter_widgets.html import GenerateHTML
 
     disc = solution.disc
-    caption = f"Displacement |u| [length]: {disc.method.name}, order {disc.order}, {disc.mesh.ne} elements"
+    words = f"{field.plain} {field.unit}".strip()
+    title = f"Displacement {words}" if field.name == "displacement" else words
+    caption = f"{title}: {disc.method.name}, order {disc.order}, {disc.mesh.ne} elements"
     if not solution.converged:
         caption += ", NOT CONVERGED"
     lowest, highest = min(state["funcmin"] for state in states), max(state["funcmax"] for state in states)
-    lowest = 0 if lowest < NEGLIGIBLE * highest else lowest
+    lowest = 0 if 0 < lowest < NEGLIGIBLE * highest else lowest
     states = [state | {"funcmin": lowest, "funcmax": highest, "autoscale": False} for state in states]
     keep = {"states": states, "labels": labels, "smooth": labels is None, "scale": scale}
-    page = GenerateHTML(states[-1] | {"ngdgc": keep}).replace("NGSolve WebGUI", "ngdgc: displacement", 1)
+    page = GenerateHTML(states[-1] | {"ngdgc": keep}).replace("NGSolve WebGUI", f"ngdgc: {html.escape(field.plain)}", 1)
     head, end, tail = page.replace("</head>", STYLE + "</head>", 1).rpartition("</body>")
-    return head + CONTROLS.format(caption=html.escape(caption)) + end + tail
+    return head + CONTROLS.format(caption=html.escape(caption), words=html.escape(words)) + end + tail
 
 
 def _Points(solution: ContactSolution) -> tuple[Array, Array]:

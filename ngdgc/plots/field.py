@@ -79,7 +79,7 @@ def _Colours(values: Array, limits: Array | None) -> ScalarMappable:
 def _Title(solution: ContactSolution, field: Field, values: Array, where: str = "") -> str:
     disc = solution.disc
     return (f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements{Unconverged(solution)}\n"
-            f"{field.label.partition(' [')[0]} {values.min():.4g} to {values.max():.4g}{where}")
+            f"{field.symbol} {values.min():.4g} to {values.max():.4g}{where}")
 
 
 def _Draw(figure: Figure, axes: Any, at: Array, patches: Patches, values: Array, field: Field, limits: Array | None,

@@ -18,16 +18,24 @@ from ..tools.calls import ByKeyword
 from ..tools.names import Known
 
 DIRECTIONS = "xyz"
+LENGTH, STRESS = "[length]", "[stress]"
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))      # of a symmetric matrix
 
 
 @dataclass(frozen=True)
 class Field:
-    """A scalar function on the elements, and the words that an axis has for it."""
+    """A scalar function on the elements, its symbol on axes, in plain text, and its unit."""
 
     name: str
     function: Any
-    label: str
+    symbol: str
+    plain: str
+    unit: str
+
+    @property
+    def label(self) -> str:
+        """Of an axis."""
+        return f"{self.symbol} {self.unit}".strip()
 
     def At(self, points: Any) -> Array:
         """Values at points in elements, (n,); ProblemError unless they are finite numbers."""
@@ -43,8 +51,8 @@ class Field:
         return values
 
 
-def _Names(solution: Any) -> dict[str, tuple[str, Callable[[], Any]]]:
-    """{name: (label, how to make the function)}."""
+def _Names(solution: Any) -> dict[str, tuple[Callable[[], Any], str, str, str]]:
+    """{name: (how to make the function, symbol, plain words, unit)}."""
     dim = solution.disc.mesh.dim
     def Component(i: int) -> Any:
         return solution.gfu[i]
@@ -52,16 +60,16 @@ def _Names(solution: Any) -> dict[str, tuple[str, Callable[[], Any]]]:
     def Entry(i: int, j: int) -> Any:
         return SpatialStress(solution)[i, j]
 
-    names: dict[str, tuple[str, Callable[[], Any]]] = {
-        "displacement": ("|u| [length]", lambda: Norm(solution.gfu))}
+    names: dict[str, tuple[Callable[[], Any], str, str, str]] = {
+        "displacement": (lambda: Norm(solution.gfu), "|u|", "|u|", LENGTH)}
     for i, axis in enumerate(DIRECTIONS[:dim]):
-        names[f"u{axis}"] = f"$u_{axis}$ [length]", partial(Component, i)
-    names["vonmises"] = "von Mises stress [stress]", lambda: VonMises(SpatialStress(solution))
-    names["meanstress"] = "mean stress [stress], tension positive", lambda: Trace(SpatialStress(solution)) / 3
+        names[f"u{axis}"] = partial(Component, i), f"$u_{axis}$", f"u{axis}", LENGTH
+    for name, words, Make in (("vonmises", "von Mises stress", VonMises), ("meanstress", "mean stress", _Mean)):
+        names[name] = partial(_Of, Make, solution), words, words, STRESS
     for i, j in ENTRIES:
         if i == j or j < dim:
             pair = DIRECTIONS[i] + DIRECTIONS[j]
-            names[f"s{pair}"] = f"$\\sigma_{{{pair}}}$ [stress]", partial(Entry, i, j)
+            names[f"s{pair}"] = partial(Entry, i, j), f"$\\sigma_{{{pair}}}$", f"s{pair}", STRESS
     return names
 
 
@@ -74,8 +82,8 @@ def FieldOf(solution: Any, field: Any) -> Field:
     names = _Names(solution)
     if isinstance(field, str):
         name = Known(field, names, what="field")
-        label, Make = names[name]
-        return Field(name, Make(), label)
+        Make, *words = names[name]
+        return Field(name, Make(), *words)
     if not isinstance(field, CoefficientFunction):
         raise ProblemError(f"field is {field!r}; give a CoefficientFunction, or one of {', '.join(names)}")
     if field.dim != 1:
@@ -84,7 +92,15 @@ def FieldOf(solution: Any, field: Any) -> Field:
         if isinstance(leaf, GridFunction) and leaf.space.mesh != solution.disc.mesh:
             raise ProblemError(f"field has a GridFunction on another mesh, of {leaf.space.mesh.ne} elements, than the "
                                f"solution, which has {solution.disc.mesh.ne}; give a field on solution.disc.mesh")
-    return Field("of your own", field, "field")
+    return Field("of your own", field, "field", "field", "")
+
+
+def _Mean(stress: Any) -> Any:
+    return Trace(stress) / 3
+
+
+def _Of(Make: Callable[[Any], Any], solution: Any) -> Any:
+    return Make(SpatialStress(solution))
 
 
 @ByKeyword

@@ -41,6 +41,7 @@ RESULTS = [
     (lambda _: DeformedFigure(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: SettingFigure(Solve(Disc())),
      "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),
+    (lambda _: Animation([Solve(Disc())], field=x), "field is | a function of one state | give the name of a field"),
     (lambda _: Animation([]), "given are 0 | of one dimension and order | give load steps of one Discretization"),
     (lambda _: Solve(Disc()).At(9, 9), "point (9.0, 9.0) lies in no element | from (0.0, 0.0) to (1.0, 1.0) | give a point of"),
     # Errors against other displacements.

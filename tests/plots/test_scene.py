@@ -124,3 +124,22 @@ def test_solutions_that_make_no_animation_are_refused(ip, steps):
     with pytest.raises(ProblemError, match="given are 0 with .* none"):
         Animation([])
     assert len(Given(Animation([ip]).Page())["ngdgc"]["states"]) == 1
+
+
+def test_a_scene_has_the_colours_of_its_field(ip):
+    """By name or as a function: stresses are those inside each element; of a solid its surface, from inside the elements."""
+    middles = Middles(ip)
+    stress = np.array([ip.stress(ip.disc.mesh(*middle)) for middle in middles]).reshape(-1, 2, 2)
+    for field, expected in (("sxy", stress[:, 0, 1]), (ip.gfu[1], [ip.At(*middle)[1] for middle in middles])):
+        data = Given(Scene(ip, field=field).Page())
+        values = Corners(data)[..., 3].mean(axis=1)
+        assert np.abs(values - expected).max() < 10 * SINGLE * np.abs(expected).max()
+        assert data["funcmin"] < 0 or np.min(expected) >= 0
+    assert "von Mises stress [stress]" in Scene(ip, field="vonmises").Page() and "|u| [length]" in Scene(ip).Page()
+    assert "max von Mises stress" in Animation([ip], field="vonmises").Page()
+    foundation = Foundation("bottom", NormalCompliance(10))
+    problem = ContactProblem(HookeMaterial(E=10, nu=0), foundation, dirichlet={"top": (0, 0, -0.1)})
+    pressed = Discretization(problem, InteriorPenalty(), BoxMesh(1)).Solve()
+    corners = Corners(Given(Scene(pressed, field="szz").Page()))
+    # Two springs in a row, of stiffness 10 each.
+    assert len(corners) == 12 and np.abs(corners[..., 3] + 0.5).max() < 1e-5

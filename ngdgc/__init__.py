@@ -8,6 +8,8 @@ from .estimates.error import EstimateError
 from .estimates.force import EstimateForce
 from .estimates.zonelengths import EstimateZones
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from .histories.history import LoadHistory
+from .histories.solve import SolveHistory
 from .methods.conforming import Conforming
 from .methods.lifting import Lifting
 from .methods.overpenalised import WeaklyOverPenalised
@@ -30,7 +32,7 @@ __version__ = "0.2.0"
 __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
            "EstimateError", "EstimateForce", "EstimateZones", "Foundation", "FrictionLaw", "HookeMaterial",
-           "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting", "MultiStart", "NestedNewtonSolver",
+           "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting", "LoadHistory", "MultiStart", "NestedNewtonSolver",
            "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG", "PowerFriction",
-           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveInterrupted",
-           "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]
+           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveHistory",
+           "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]

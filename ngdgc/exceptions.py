@@ -47,6 +47,8 @@ class NotConvergedError(Failure, RuntimeError):
         One entry per iteration.
     contraction : Contraction or None
         The estimated contraction numbers at the last iterates.
+    states : LoadHistory or None
+        The states before, of `SolveHistory`; copies have none.
 
     >>> from ngdgc import *
     >>> from ngdgc.exact import AffinePatch
@@ -60,9 +62,10 @@ class NotConvergedError(Failure, RuntimeError):
     2 False
     """
 
-    def __init__(self, message: str, solution: Any, contraction: Any = None) -> None:
+    def __init__(self, message: str, solution: Any, contraction: Any = None, *, states: Any = None) -> None:
         super().__init__(message)
         _CheckHistory(solution)
+        self.states = states
         self.solution = solution
         self.history = solution.history
         self.contraction = contraction
@@ -73,12 +76,16 @@ class NotConvergedError(Failure, RuntimeError):
 
 @ByKeyword
 class SolveInterrupted(KeyboardInterrupt):
-    """Ctrl-C during an iteration; `solution` is the last iterate, in copies as in those of NotConvergedError."""
+    """Ctrl-C during an iteration; `solution` is the last iterate, in copies as in those of NotConvergedError.
 
-    def __init__(self, solution: Any) -> None:
+    states : of `SolveHistory` the LoadHistory of the states before, else None
+    """
+
+    def __init__(self, solution: Any, *, states: Any = None) -> None:
         _CheckHistory(solution)
-        super().__init__(f"interrupted after {len(solution.history)} iterations; the last iterate is its attribute solution")
-        self.solution = solution
+        super().__init__(f"interrupted after {len(solution.history)} iterations; the last iterate is its attribute solution"
+                         if states is None else f"interrupted after {len(states)} states; they are its attribute states")
+        self.solution, self.states = solution, states
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (_Plain(self.solution),)

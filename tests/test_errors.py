@@ -16,6 +16,7 @@ from mistakes.contracts import CONTRACTS
 from mistakes.data import DATA
 from mistakes.estimates import ESTIMATES
 from mistakes.forces import FORCES
+from mistakes.histories import HISTORIES
 from mistakes.iterations import FAILURES
 from mistakes.laws import LAWS
 from mistakes.meshes import MESHES
@@ -32,8 +33,8 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw", "_Mistake")
-ROWS = (CALLS + CONTRACTS + DATA + ESTIMATES + FORCES + LAWS + MESHES + PROBLEMS + RESULTS + SAVED + SOLVERS + STUDIES
-        + COMMANDS + FAILURES)
+ROWS = (CALLS + CONTRACTS + DATA + ESTIMATES + FORCES + HISTORIES + LAWS + MESHES + PROBLEMS + RESULTS + SAVED + SOLVERS
+        + STUDIES + COMMANDS + FAILURES)
 
 
 @cache

@@ -51,7 +51,10 @@ class ContactBoundary:
     trace : sparse ((n i), ndof), row n d + i gives component i of u_h at point n
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of `ContactPart`, one for each foundation, in the order of the points
+    origin : u_t of the state from which slip counts (n, d) [length]; None: the undeformed body
     """
+
+    origin: Array | None = None
 
     def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any,
                  pieces: Pieces | None = None) -> None:
@@ -92,6 +95,12 @@ class ContactBoundary:
         other.trace = self.trace @ prolongation
         return other
 
+    def After(self, displacement: Array | None) -> ContactBoundary:
+        """The same with slip that counts from a displacement of the points, (n, d), or None: the undeformed body."""
+        other = copy(self)
+        other.origin = None if displacement is None else self.Tangential(displacement)
+        return other
+
     def Displacement(self, vector: Array) -> Array:
         """u_h at the points, (n, d), from the coefficients in V_h."""
         return (self.trace @ vector).reshape(-1, self.dim)
@@ -123,9 +132,13 @@ class ContactBoundary:
         factor, _ = OverParts(self.parts, ContactPart.SlipFactor, slip)
         return bound * self._Finite("Coefficient", factor, slip, "slip")
 
+    def SinceOrigin(self, displacement: Array) -> Array:
+        """u without the u_t from which slip counts, (n, d) [length]."""
+        return displacement if self.origin is None else displacement - self.origin
+
     def Slip(self, displacement: Array) -> Array:
-        """|u_t|, (n,) [length]."""
-        return np.linalg.norm(self.Tangential(displacement), axis=1)
+        """|u_t| since `origin`, (n,) [length]."""
+        return np.linalg.norm(self.Tangential(self.SinceOrigin(displacement)), axis=1)
 
     def _Finite(self, method: str, values: Array, at: Array, word: str = "penetration") -> Array:
         CheckFinite(self.parts, method, values, at, word)

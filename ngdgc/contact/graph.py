@@ -11,6 +11,8 @@ and where it nearly is none (p_n' -> infinity).  With u = U(q), t = t(q):
     normal    p = p_n(r), r = u_n - g:    p + gamma r = q_n - gamma g, one scalar equation; p = 0 if that is <= 0
     stick     |q_t| <= p_t(r, p, 0):      t_t = q_t, u_t = 0
     slip      otherwise:                  |u_t| = s from p_t(r, p, s) + gamma s = |q_t|, t_t = p_t q_t/|q_t|
+
+In an increment of a history u_t is that since the last state, `ContactBoundary.origin`, in all of these.
 """
 
 from __future__ import annotations
@@ -50,8 +52,8 @@ class ContactGraph:
         self.scale = np.broadcast_to(np.asarray(scale, dtype=float), contact.weights.shape)
 
     def Coordinates(self, displacement: Array, traction: Array) -> Array:
-        """q = t + gamma u, (n, d) [stress]."""
-        return traction + self.scale[:, None] * displacement
+        """q = t + gamma u, u_t since the origin of slip, (n, d) [stress]."""
+        return traction + self.scale[:, None] * self.contact.SinceOrigin(displacement)
 
     def At(self, q: Array) -> GraphPoint:
         """The GraphPoint of q (n, d); raises ProblemError if a law returns a value that is not finite."""
@@ -71,6 +73,8 @@ class ContactGraph:
         friction = np.where(sliding, bound, length)
         traction = p[:, None] * normals + friction[:, None] * direction
         displacement = (r + contact.gap)[:, None] * normals + np.where(sliding, slip, 0)[:, None] * direction
+        if contact.origin is not None:
+            displacement += contact.origin
         with np.errstate(all="ignore"):
             # It tells that nothing is wrong; where is asked only if something is.
             total = np.sum(p + r + dr + base + dbase + bound + along + slip) + np.sum(q)
@@ -136,7 +140,7 @@ def Distance(contact: ContactBoundary, displacement: Array, traction: Array) -> 
     """
     uscale, tscale = Scales(contact, displacement, traction)
     r, t = contact.Penetration(displacement), contact.Normal(traction)
-    slip, friction = contact.Tangential(displacement), contact.Tangential(traction)
+    slip, friction = contact.Tangential(contact.SinceOrigin(displacement)), contact.Tangential(traction)
     gamma = np.full(len(r), tscale / uscale)
     depth, pressure, _ = OverParts(contact.parts, ContactPart.NormalPoint, gamma, t + gamma * r)
     above = OverParts(contact.parts, ContactPart.Pressure, r)
@@ -177,6 +181,6 @@ def CheckEnds(contact: ContactBoundary, displacement: Array, traction: Array) ->
     uscale, tscale = Scales(contact, displacement, traction)
     gamma = np.full(len(contact.weights), tscale / uscale)
     q = contact.Normal(traction) + gamma * contact.Penetration(displacement)
-    length = np.linalg.norm(contact.Tangential(traction + gamma[:, None] * displacement), axis=1)
+    length = np.linalg.norm(contact.Tangential(traction + gamma[:, None] * contact.SinceOrigin(displacement)), axis=1)
     for part in contact.parts:
         part.CheckEnds(gamma[part.points], q[part.points], length[part.points])

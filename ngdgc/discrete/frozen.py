@@ -37,3 +37,10 @@ class OfMatrix(Frozen):
 
     def Kept(self, disc: Any) -> dict[str, Any]:
         return disc.elastic
+
+
+def Twin(disc: Any) -> Any:
+    """The same DiscreteProblem once more, whose attributes can be set anew; what is frozen is shared."""
+    twin = object.__new__(type(disc))
+    twin.__dict__.update(disc.__dict__)
+    return twin

@@ -28,7 +28,7 @@ from ..tools.names import NameOf
 from ..tools.values import Among, Order
 from .added import AddedForms
 from .checks import CheckData, CheckMesh, CheckRegions, CheckSpace
-from .frozen import Frozen, OfMatrix
+from .frozen import Frozen, OfMatrix, Twin
 from .restraints import Restraints
 from .state import State
 
@@ -44,6 +44,7 @@ class DiscreteProblem(LinearEquations):
 
     Attributes
     ----------
+    origin : displacement of the contact points from which slip counts (n, d), or None: the undeformed body
     derived : {name: value} of what is frozen, if it was asked for;  elastic : the same for what follows from the matrix alone,
         which copies with other loads share
     """
@@ -70,6 +71,7 @@ class DiscreteProblem(LinearEquations):
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
         self.derived: dict[str, Any] = {}
         self.elastic: dict[str, Any] = {}
+        self.origin: Array | None = None
         self._Read()
         self.added = AddedForms(self.space, self.facets)
 
@@ -79,7 +81,7 @@ class DiscreteProblem(LinearEquations):
         CheckData(self.problem, self.mesh, self.facets)
         scalar, rules = self.method.ScalarSpace(self.mesh, self.order), ContactRules(self.method, self.mesh.dim, self.order)
         CheckSpace(self.method, self.space, scalar, self.mesh, "|".join(self.problem.dirichlet))
-        self.contact = ContactBoundary(self.problem, self.facets, self.space, scalar, rules)
+        self.contact = ContactBoundary(self.problem, self.facets, self.space, scalar, rules).After(self.origin)
 
     def Current(self) -> DiscreteProblem:
         """The same with the values that Parameters have now: this one if they are what they were, else a copy.
@@ -90,12 +92,17 @@ class DiscreteProblem(LinearEquations):
         changed, added = self.state.Parameters(), self.added.Current()
         if not changed and added is self.added:
             return self
-        current = object.__new__(type(self))
-        current.__dict__.update(self.__dict__)
-        same = added is self.added and not any(name.startswith("material") for name in changed)
+        current = Twin(self)
+        same = added.SameMatrix(self.added) and not any(name.startswith("material") for name in changed)
         current.derived, current.elastic, current.added = {}, self.elastic if same else {}, added
         current._Read()
         return current
+
+    def After(self, displacement: Array) -> DiscreteProblem:
+        """The same problem with slip that counts from a displacement of the contact points (n, d): that of an increment."""
+        other = Twin(self)
+        other.origin, other.contact = displacement, self.contact.After(displacement)
+        return other
 
     def __repr__(self) -> str:
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "

@@ -81,6 +81,10 @@ class ContactResponse:
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
         return self.contact.Displacement(self._Solve(self.contact.Load(s)))
 
+    def Free(self, load: Array) -> Array:
+        """Coefficients of the response to a load, without prescribed displacements and tractions, (ndof,) -> (ndof,)."""
+        return self._Solve(load)
+
     def Restoring(self, displacement: Array) -> Array:
         """D u, the traction of the stiffness in the matrix, (n, d)."""
         return np.zeros_like(displacement) if self.stiffness is None else Apply(self.stiffness, displacement)

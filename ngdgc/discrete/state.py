@@ -76,6 +76,15 @@ class State:
         """The names of the data in which a Parameter has another value now, a list."""
         return list(dict.fromkeys(name for name, leaf, value in self._parameters if leaf.Get() != value))
 
+    def Following(self, parameter: Any) -> list[str]:
+        """The names of the data that depend on a Parameter."""
+        value = parameter.Get()
+        try:
+            parameter.Set(np.nan)       # which no other one is
+            return list(dict.fromkeys(name for name, leaf, _ in self._parameters if np.isnan(leaf.Get())))
+        finally:
+            parameter.Set(value)
+
     def CheckMesh(self) -> None:
         """Raise ProblemError if the mesh has changed."""
         if what := self._mesh.Changed(self.mesh):

@@ -155,6 +155,14 @@ class FacetForm:
             loads[region] = penalised - self.theta * tractions
         return loads
 
+    @Batched
+    def PrescribedEnergy(self) -> float:
+        """g_D'(Sigma + G) g_D, what the penalty of prescribed displacements is to the body at rest [stress length^d]."""
+        near = self.operators.facets.On("|".join((*self.problem.dirichlet, *self.problem.roller)))
+        data = self._Data()
+        values = sum(data.values(), np.zeros(self.operators.facetspace.ndof))
+        return float(values @ self._Penalised(values, near)) if data else 0.0
+
     def _Penalised(self, jump: Array, near: np.ndarray) -> Array:
         """M_F^-1 (Sigma + G) jump, for a jump given by coefficients in F_h that vanishes off the facets `near`."""
         operators = self.operators

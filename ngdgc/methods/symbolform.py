@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, Protocol, cast
 
-from ngsolve import (BaseMatrix, BilinearForm, CoefficientFunction, FESpace, Grad, GridFunction, InnerProduct, LinearForm, Mesh,
-                     Sym, ds, dx, specialcf)
+import numpy as np
+from ngsolve import (BaseMatrix, BilinearForm, CoefficientFunction, FacetFESpace, FESpace, Grad, GridFunction, InnerProduct,
+                     LinearForm, Mesh, Sym, ds, dx, specialcf)
 
 from ..contracts import Array
 from ..data.coefficients import OnFacets
@@ -183,6 +184,12 @@ class SkeletonForm:
         return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure
                                           - self.theta * part.value * part.Mean(v) * part.measure)
                 for part in self.parts if part.region is not None}
+
+    def PrescribedEnergy(self) -> float:
+        """<P(w_D), w_D>, what the penalty of prescribed displacements is to the body at rest [stress length^d]."""
+        constant = FacetFESpace(self.space.mesh, order=0).TestFunction()
+        return sum(float(np.sum(Coefficients(part.Penalty(part.value) * part.value * constant * part.measure)))
+                   for part in self.parts if part.region is not None)
 
     def Fluxes(self, gfu: GridFunction) -> dict[str | None, Array]:
         """The numerical flux tested on each set of facets, {region, or None between elements: (ndof,)}."""

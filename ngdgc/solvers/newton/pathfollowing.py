@@ -51,13 +51,14 @@ class Path:
         self.scale = np.repeat(scale, shape[1])
         self.graph = ContactGraph(contact, scale)
         rest = np.zeros(shape)
-        self.free = response.Meet(rest, rest)[0].displacement.ravel()
+        free = response.Meet(rest, rest)[0].displacement
+        self.free, self.start = free.ravel(), contact.SinceOrigin(free).ravel()
         self.size = max(np.abs(self.free).max(), np.abs(contact.gap).max()) or 1.0
 
     @Batched
     def Follow(self, steps: int = STEPS) -> GraphPoint | None:
         """The `graph.GraphPoint` at s = 1, or None if it is not reached in these steps."""
-        z: Array = np.append(self.free / self.size, 0.0)
+        z: Array = np.append(self.start / self.size, 0.0)
         length = LENGTH
         tangent = _Tangent(self._H(z)[1])
         for _ in range(steps):

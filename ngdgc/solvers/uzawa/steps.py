@@ -39,7 +39,7 @@ class ExplicitStep:
         contact, (u, multiplier) = self.contact, state
         r = contact.Penetration(u)
         bound = contact.Bound(r, contact.Slip(u))
-        multiplier = _OntoUnitBall(multiplier + (self.Rho(bound) * bound)[:, None] * contact.Tangential(u))
+        multiplier = _OntoUnitBall(multiplier + (self.Rho(bound) * bound)[:, None] * contact.Tangential(contact.SinceOrigin(u)))
         return contact.Pressure(r)[:, None] * contact.normals + bound[:, None] * multiplier, multiplier
 
     def Next(self, memory: Any, u: Array) -> Array:

@@ -1,0 +1,150 @@
+"""What `SolveHistory` returns: the states along the times, their forces and energies."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ..contracts import Array
+from ..exceptions import ProblemError
+from ..solution.solution import ContactSolution
+from ..tools.calls import ByKeyword
+
+
+@ByKeyword
+@dataclass(frozen=True)
+class Increment:
+    """What one increment took.
+
+    time : at its end;  parts : into which it was divided, 1 unless Newton's method failed;  solves : applications of A^-1
+    residual : how far displacement and traction are from law and equilibrium, no unit;  seconds : of this increment
+    """
+
+    time: float
+    parts: int
+    solves: int
+    residual: float
+    seconds: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoadState:
+    """What a history keeps of a state: arrays over the n contact points, and numbers.
+
+    displacement, traction : u, t (n, d);  origin : u of the state before, from which slip counts, or None
+    work, dissipation : cumulated;  energy : of body and foundations, all [stress length^d]
+    vector : coefficients of u (ndof,), or None where they are computed when they are asked for
+    """
+
+    time: float
+    displacement: Array
+    traction: Array
+    origin: Array | None
+    work: float
+    energy: float
+    dissipation: float
+    increment: Increment
+    vector: Array | None = None
+
+
+@ByKeyword
+class LoadHistory:
+    """The states of a body along times t_1 < ... < t_m, each an increment from the one before: from `SolveHistory`.
+
+    `history[-1]` is a ContactSolution, in which slip counts from the state before; slices are LoadHistories.
+
+    Attributes
+    ----------
+    disc : Discretization;  parameter : the Parameter that was the time
+    times : (m,)
+    forces : {region: (m, d)}, force of every foundation on the body [stress length^(d-1)]
+    work : (m,), of loads, prescribed displacements and foundations that move, from rest on; forces by the trapezoidal rule
+    energy : (m,), elastic energy of the body, with what the penalties of its jumps store, and energy of the foundations
+    dissipation : (m,), cumulated -int sigma_t.(change of u_t), with sigma_t at the end of each increment
+    displacement, traction : (m, n, d), u and t at the contact points [length], [stress]
+    increments : list of `Increment`, what each has cost
+
+    work = energy + dissipation up to the increments: the difference halves with them.  Of methods whose matrix is not symmetric
+    work and energy of prescribed displacements are not known, nan.
+
+    >>> from ngsolve import CF, Parameter
+    >>> from ngdgc import *
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> t = Parameter(0)
+    >>> problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(1e4)),
+    ...                          dirichlet={"top": CF((0, -0.02 * t))})
+    >>> history = SolveHistory(Discretization(problem, LDG(), RectangleMesh(2)), parameter=t, times=[0.5, 1])
+    >>> bool(abs(history.work - history.energy).max() < 1e-12), history[-1].converged, len(history[:1])
+    (True, True, 1)
+    """
+
+    def __init__(self, disc: Any, parameter: Any, states: Sequence[LoadState],
+                 Solution: Callable[[LoadState], ContactSolution]) -> None:
+        self.disc, self.parameter, self.states, self._Solution = disc, parameter, tuple(states), Solution
+
+    def __repr__(self) -> str:
+        over = f", from {self.times[0]:g} to {self.times[-1]:g}" if self.states else ""
+        return f"LoadHistory({self.disc!r}, {len(self)} states{over})"
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    def __getitem__(self, place: Any) -> Any:
+        if isinstance(place, slice):
+            return LoadHistory(self.disc, self.parameter, self.states[place], self._Solution)
+        try:
+            return self._Solution(self.states[place])
+        except (IndexError, TypeError) as error:
+            raise ProblemError(f"history[{place!r}]: there are {len(self)} states; give an integer from {-len(self)} to "
+                               f"{len(self) - 1}, or a slice") from error
+
+    def __iter__(self) -> Iterator[ContactSolution]:
+        return (self._Solution(state) for state in self.states)
+
+    def Last(self) -> LoadState:
+        """The last state, with the coefficients of its displacement."""
+        state = self.states[-1]
+        return state if state.vector is not None else replace(state, vector=self[-1].vector)
+
+    def _Numbers(self, name: str) -> Array:
+        return np.array([getattr(state, name) for state in self.states], dtype=float)
+
+    @property
+    def times(self) -> Array:
+        return self._Numbers("time")
+
+    @property
+    def work(self) -> Array:
+        return self._Numbers("work")
+
+    @property
+    def energy(self) -> Array:
+        return self._Numbers("energy")
+
+    @property
+    def dissipation(self) -> Array:
+        return self._Numbers("dissipation")
+
+    @property
+    def displacement(self) -> Array:
+        return self._Points("displacement")
+
+    @property
+    def traction(self) -> Array:
+        return self._Points("traction")
+
+    def _Points(self, name: str) -> Array:
+        return np.array([getattr(state, name) for state in self.states]).reshape(-1, *self.disc.contact.normals.shape)
+
+    @property
+    def forces(self) -> dict[str, Array]:
+        contact, traction = self.disc.contact, self.traction
+        return {part.foundation.boundary: -np.einsum("n,mnd->md", contact.weights[part.points], traction[:, part.points])
+                for part in contact.parts}
+
+    @property
+    def increments(self) -> list[Increment]:
+        return [state.increment for state in self.states]

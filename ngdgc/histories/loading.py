@@ -1,0 +1,101 @@
+"""What is done to a body at one time, loads, prescribed displacements, gap, and the work of this from one time to the next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import cast
+
+import numpy as np
+
+from ..contracts import Array
+from ..discrete.problem import DiscreteProblem
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Loading:
+    """The data of one time as the discrete problem has them.
+
+    dead : f of body forces, tractions and added forms (ndof,);  prescribed : l of weakly prescribed displacements (ndof,)
+    lift : function with the strongly prescribed ones (ndof,);  pull : A lift (ndof,), both None where there are none
+    penalty : what the penalty of prescribed displacements is to the body at rest, nan for a form that does not tell, or that is
+        not symmetric
+    gap : (n,) [length]
+    """
+
+    dead: Array
+    prescribed: Array
+    lift: Array | None
+    pull: Array | None
+    penalty: float
+    gap: Array
+
+    @classmethod
+    def Of(cls, disc: DiscreteProblem) -> Loading:
+        none = np.zeros(disc.space.ndof)
+        loads = {weak: sum((load for (kind, _), load in disc.loads.items() if (kind == "prescribed") == weak), none)
+                 for weak in (False, True)}
+        lift = disc.prescribed if np.any(disc.prescribed) else None
+        return cls(dead=loads[False], prescribed=loads[True], lift=lift, pull=None if lift is None else disc.Multiply(lift),
+                   penalty=_Penalty(disc) if np.any(loads[True]) else 0.0, gap=disc.contact.gap)
+
+    @property
+    def load(self) -> Array:
+        return self.dead + self.prescribed
+
+
+def _Penalty(disc: DiscreteProblem) -> float:
+    form = disc.facetform if disc.method.discontinuous else disc.form
+    with disc.state.Restored():
+        return float(form.PrescribedEnergy()) if hasattr(form, "PrescribedEnergy") and disc.symmetric else np.nan
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Moment:
+    """A state while the next one is computed.
+
+    disc : with the data of its time, slip from the state before;  displacement, traction : u, t at the contact points (n, d)
+    residual : how far they are from the law and equilibrium, relative
+    vector : coefficients of u (ndof,), or None where Product has x.u of coefficients x without them
+    """
+
+    disc: DiscreteProblem
+    loading: Loading
+    displacement: Array
+    traction: Array
+    residual: float
+    vector: Array | None = None
+    Product: Callable[[Array], float] | None = None
+
+    def Times(self, x: Array) -> float:
+        """x.u of coefficients x (ndof,)."""
+        return float(x @ cast(Array, self.vector)) if self.Product is None else self.Product(x)
+
+    def Reaction(self, other: Loading) -> float:
+        """What the reactions to strongly prescribed displacements do along those of a loading."""
+        if other.lift is None or other.pull is None:
+            return 0.0
+        contact = self.disc.contact
+        return (self.Times(other.pull) - float(self.loading.load @ other.lift)
+                + float(np.vdot(contact.Load(self.traction), other.lift)))
+
+    @property
+    def elastic(self) -> float:
+        """B_h(u, u)/2 with the displacement prescribed on Gamma_D in its jumps: the energy of the body and of its penalties."""
+        loading, weights = self.loading, self.disc.contact.weights[:, None]
+        contact = float(np.sum(weights * self.traction * self.displacement))
+        return 0.5 * (self.Times(loading.dead - loading.prescribed) - contact + loading.penalty + self.Reaction(loading))
+
+
+def Work(before: Moment | None, after: Moment) -> float:
+    """Work of loads, prescribed displacements and moved foundations, by the trapezoidal rule; before None: from rest."""
+    new = after.loading
+    work = 0.5 * (after.Times(new.dead - new.prescribed) + new.penalty + after.Reaction(new))
+    if before is None:
+        return work
+    old, contact = before.loading, after.disc.contact
+    work += 0.5 * (after.Times(old.dead + old.prescribed) - before.Times(new.dead + new.prescribed)
+                   - before.Times(old.dead - old.prescribed) - old.penalty)
+    work += 0.5 * (before.Reaction(new) - after.Reaction(old) - before.Reaction(old))
+    pressure = contact.Normal(before.traction + after.traction)
+    return work - 0.5 * float(contact.weights @ (pressure * (new.gap - old.gap)))

@@ -1,0 +1,88 @@
+"""The solution of a time that has passed: from what a history keeps of its state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Any
+
+import numpy as np
+
+from ..discrete.problem import DiscreteProblem
+from ..discrete.response import ContactResponse
+from ..exceptions import ProblemError
+from ..solution.fingerprint import Differs, Fingerprint
+from ..solution.history import Step
+from ..solution.solution import ContactSolution
+from ..solvers.newton.setting import Setting
+from .history import LoadHistory, LoadState
+from .loading import Loading, Moment
+
+
+@contextmanager
+def Restoring(parameter: Any) -> Iterator[None]:
+    """A time in which a Parameter may be set."""
+    value = parameter.Get()
+    try:
+        yield
+    finally:
+        parameter.Set(value)
+
+
+class Recall:
+    """Makes the ContactSolution of a `LoadState`, where its coefficients are not kept by one application of an inverse.
+
+    disc : with the data of some time;  response : `ContactResponse` whose inverse serves, None: one is made when it is needed
+    """
+
+    def __init__(self, disc: DiscreteProblem, parameter: Any) -> None:
+        self.disc, self.parameter = disc, parameter
+        self.response: ContactResponse | None = None
+
+    def __call__(self, state: LoadState) -> ContactSolution:
+        disc, vector, traction = self.Disc(state), state.vector, state.traction
+        if vector is None:
+            found = self._Response(disc, state).Meet(state.displacement, state.traction)[0]
+            vector, traction = found.vector, found.traction
+        increment = state.increment
+        steps = [Step(1, 0.0, increment.residual, increment.solves, increment.seconds)]
+        return ContactSolution(disc, vector, traction, history=steps, solver=f"SolveHistory at time {state.time:g}")
+
+    def Disc(self, state: LoadState) -> DiscreteProblem:
+        """The discrete problem with the data of the time of a state, and slip from the state before."""
+        with self.disc.lock, Restoring(self.parameter), self.disc.state.Restored():
+            self.parameter.Set(state.time)
+            disc = self.disc.Current()
+        return disc if state.origin is None else disc.After(state.origin)
+
+    def Moment(self, state: LoadState) -> Moment:
+        """The state as one from which the next increment begins."""
+        solution = self(state)
+        return Moment(disc=solution.disc, loading=Loading.Of(solution.disc), displacement=solution.displacement,
+                      traction=solution.traction, vector=solution.vector, residual=state.increment.residual)
+
+    def _Response(self, disc: DiscreteProblem, state: LoadState) -> ContactResponse:
+        if self.response is None:
+            setting = Setting.Of(disc)
+            point = setting.graph.At(setting.graph.Coordinates(state.displacement, state.traction))
+            self.response = ContactResponse(disc, setting.Stiffness(point))
+        return self.response.Moved(disc)
+
+
+def CheckStart(start: Any, recall: Recall) -> None:
+    """Raise ProblemError unless a LoadHistory has a last state that is one of the problem of `recall`."""
+    if not isinstance(start, LoadHistory) or not len(start):
+        raise ProblemError(f"start is {start!r}; give a LoadHistory with at least one state, which SolveHistory returns")
+    disc, last = recall.disc, start.states[-1]
+    if start.disc is disc:
+        return
+    if start.disc.space.ndof != disc.space.ndof or last.traction.shape != disc.contact.normals.shape:
+        raise ProblemError(f"start is of {start.disc!r}, and this is {disc!r}; give the same mesh, method and order")
+    old = start[-1]
+    new = ContactSolution(recall.Disc(last), old.vector, old.traction)
+    slip, numbering = old.disc.contact.Slip(old.displacement), np.arange(disc.space.ndof)
+    tables = (Fingerprint(solution, old.penetration, slip, numbering) for solution in (old, new))
+    for (name, stored), (_, found) in zip(*tables):
+        if Differs(stored, found):
+            raise ProblemError(f"start was computed with another problem: at time {last.time:g} its {name} differ; give the "
+                               "problem, mesh and method that it was computed with")

@@ -1,0 +1,191 @@
+"""Load histories: a body led along a time, friction remembering where it was."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import numpy as np
+from ngsolve import Parameter
+
+from ..discrete.problem import DiscreteProblem
+from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
+from ..linear.equations import CheckDiscretization
+from ..solution.solution import ContactSolution
+from ..solvers.driver import CheckCallback
+from ..solvers.nested import NestedNewtonSolver
+from ..solvers.newton.solver import SemismoothNewtonSolver
+from ..tools.calls import ByKeyword
+from ..tools.values import Finite
+from .energies import Dissipation, FoundationEnergy
+from .history import Increment, LoadHistory, LoadState
+from .increments import Increments
+from .loading import Loading, Moment, Work
+from .recall import CheckStart, Recall, Restoring
+
+HALVINGS = 6    # of an increment that fails
+
+
+@ByKeyword
+def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
+                 callback: Callable[[Increment], object] | None = None, start: LoadHistory | None = None) -> LoadHistory:
+    """The states of a Discretization at the times, each an increment from the one before; the LoadHistory.
+
+    In an increment friction acts against the change of u_t since the last state, sticking points do not move: the rate form of
+    the law by backward Euler.  The first state is one from rest, as Solve(disc) gives it.  Where the path of the loads does not
+    matter (proportional loads, Coulomb friction, no gap, exponent 1) all this is the same as one step.
+
+    parameter : the NGSolve Parameter that is the time; displacements, loads, gap and laws may depend on it, the material not.
+        It is set here, and in the end what it was
+    times : t_1 < ... < t_m
+    solver : `NestedNewtonSolver` or `SemismoothNewtonSolver`, for the first state and with its tol for the others
+    callback : gets every `Increment`
+    start : a LoadHistory that this one goes on from; the states are the new ones, work and dissipation go on
+
+    An increment on which Newton's method fails is halved, up to 64 parts.  Raises ProblemError for data that are none;
+    NotConvergedError if the smallest part fails and SolveInterrupted on Ctrl-C: `states` is the LoadHistory up to there.
+
+    >>> from ngsolve import CF, Parameter
+    >>> from ngdgc import *
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> t = Parameter(0)
+    >>> foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(0.3))
+    >>> problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": CF((0.01 * t * (2 - t), -0.02))})
+    >>> history = SolveHistory(Discretization(problem, LDG(), RectangleMesh(4)), parameter=t, times=[0, 0.5, 1, 1.5, 2])
+    >>> [bool(abs(force) > 0.05) for force in (history.forces["bottom"][-1, 0], history.forces["bottom"][0, 0])]
+    [True, False]
+    """
+    CheckDiscretization(disc)
+    CheckCallback(callback)
+    solver = NestedNewtonSolver() if solver is None else solver
+    if not isinstance(solver, (NestedNewtonSolver, SemismoothNewtonSolver)):
+        raise ProblemError(f"solver is {solver!r}; give NestedNewtonSolver() or SemismoothNewtonSolver(), which start from the "
+                           "last state")
+    _CheckParameter(disc, parameter)
+    run = _Run(disc, parameter, solver, callback)
+    if start is not None:
+        CheckStart(start, run.recall)
+    return run.Along(_Times(times, start), start)
+
+
+def _CheckParameter(disc: DiscreteProblem, parameter: Any) -> None:
+    """Raise ProblemError unless it is a Parameter on which data depend, and not the material."""
+    if not isinstance(parameter, Parameter):
+        raise ProblemError(f"parameter is {parameter!r}; give the ngsolve.Parameter on which the data depend, t = Parameter(0)")
+    names = disc.state.Following(parameter)
+    if material := [name for name in names if name.startswith("material")]:
+        raise ProblemError(f"{material[0]} depends on the parameter; a history keeps its matrix: give the time to loads, "
+                           "prescribed displacements, gaps and laws alone")
+    if not names and not disc.added:
+        raise ProblemError("parameter: no datum of the problem depends on it, all states would be the same; use it in "
+                           "dirichlet, roller, traction, bodyforce, a gap or a law, dirichlet={'top': CF((0.03 * t, -0.02))}")
+
+
+def _Times(times: Any, start: LoadHistory | None) -> list[float]:
+    """The times as floats; ProblemError unless they are numbers that increase."""
+    remedy = "give numbers that increase, such as np.linspace(0, 1, 21)"
+    try:
+        found = [Finite(time, "a time", remedy) for time in times]
+    except TypeError as error:
+        raise ProblemError(f"times is {times!r}; {remedy}") from error
+    if not found:
+        raise ProblemError(f"times is empty; {remedy}")
+    if back := [(a, b) for a, b in zip(found[:-1], found[1:]) if not a < b]:
+        raise ProblemError(f"times run backwards or stand still, {back[0][1]:g} comes after {back[0][0]:g}; {remedy}: a body "
+                           "that goes back is data that depend on the time")
+    if start is not None and found[0] < start.times[-1]:
+        raise ProblemError(f"times begin at {found[0]:g}, and start ends at {start.times[-1]:g}; give times from there on")
+    return found
+
+
+class _Run:
+    """One run of `SolveHistory`."""
+
+    def __init__(self, disc: Any, parameter: Any, solver: Any, callback: Any) -> None:
+        self.disc, self.parameter, self.solver, self.callback = disc.Current(), parameter, solver, callback
+        self.recall = Recall(self.disc, parameter)
+        self.current: DiscreteProblem = self.disc
+        self.increments: Increments | None = None
+
+    def Along(self, times: list[float], start: LoadHistory | None) -> LoadHistory:
+        """The history at the times."""
+        history = LoadHistory(self.disc, self.parameter, (), self.recall)
+        last, moment = None, None
+        if start is not None:
+            last = start.Last()
+            moment = self.recall.Moment(last)
+        try:
+            with self.disc.lock, Restoring(self.parameter):
+                for time in times:
+                    moment, last = self._To(time, moment, last)
+                    history.states = (*history.states, last)
+                    if self.callback is not None:
+                        self.callback(last.increment)
+        except NotConvergedError as error:
+            raise NotConvergedError(f"at time {time:g}: {error}; the {len(history)} states before are kept in `states`",
+                                    error.solution, error.contraction, states=history) from error
+        except ProblemError as error:
+            raise ProblemError(f"at time {time:g}: {error}") from error
+        except KeyboardInterrupt as stop:
+            if not len(history):
+                raise
+            raise SolveInterrupted(history[-1], states=history) from stop
+        return history
+
+    def _To(self, time: float, moment: Moment | None, last: LoadState | None) -> tuple[Moment, LoadState]:
+        """The state at a time, and what is kept of it."""
+        begin, before, parts = clock.perf_counter(), self.current.solves, 0
+        work, dissipation = (last.work, last.dissipation) if last else (0.0, 0.0)
+        for old, new in self._Parts(moment, last.time if last else time, time):
+            contact, parts = new.disc.contact, parts + 1
+            work += Work(old, new)
+            dissipation += Dissipation(contact, new.displacement, new.traction)
+        increment = Increment(time, parts, new.disc.solves - before, new.residual, clock.perf_counter() - begin)
+        energy = new.elastic + FoundationEnergy(contact, new.displacement)
+        return new, LoadState(time=time, displacement=new.displacement, traction=new.traction, origin=new.disc.origin,
+                              work=work, energy=energy, dissipation=dissipation, increment=increment, vector=new.vector)
+
+    def _Parts(self, old: Moment | None, begin: float, end: float) -> Iterator[tuple[Moment | None, Moment]]:
+        """(state before, state) of every part of an increment, halved where it fails."""
+        done, part = 0.0, 1.0
+        while done < 1:
+            time = end if done + part == 1 else begin + (done + part) * (end - begin)
+            try:
+                new = self._At(time, old)
+            except NotConvergedError:
+                part /= 2
+                if old is None or part < 0.5 ** HALVINGS:
+                    raise
+                continue
+            done = 1 if old is None else done + part
+            yield old, new
+            old = new
+
+    def _At(self, time: float, old: Moment | None) -> Moment:
+        """The state at a time, from the one before, or from rest."""
+        if old is not None and self.increments is None and self._Remembers(old):
+            self.increments = Increments(old, self.solver.tol)
+            self.recall.response = self.increments.response
+        self.parameter.Set(time)
+        self.current = disc = self.current.Current() if old is None else self.current.Current().After(old.displacement)
+        if self.increments is not None and disc.elastic is self.disc.elastic:
+            found = self.increments.Next(disc)
+            if found is not None:
+                return found
+        self.increments = None
+        solution = self._Solved(disc, old)
+        self.current = solution.disc
+        return Moment(disc=solution.disc, loading=Loading.Of(solution.disc), displacement=solution.displacement,
+                      traction=solution.traction, vector=solution.vector, residual=solution.history[-1].residual)
+
+    def _Remembers(self, old: Moment) -> bool:
+        """Do `Increments` serve after a state?  Contact tells which stiffness is in the matrix, which has to be symmetric."""
+        disc = old.disc
+        return bool(np.any(old.traction)) and disc.symmetric and not disc.iterates and disc.elastic is self.disc.elastic
+
+    def _Solved(self, disc: DiscreteProblem, old: Moment | None) -> ContactSolution:
+        if old is None:
+            return self.solver.Solve(disc)
+        newton = self.solver if isinstance(self.solver, SemismoothNewtonSolver) else SemismoothNewtonSolver(tol=self.solver.tol)
+        return newton.Solve(disc, start=(old.displacement, old.traction))

@@ -1,0 +1,157 @@
+"""Load histories against states that are known exactly, against increments solved one by one, and against one step."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from ngsolve import CF, IfPos, Parameter, x, y, z
+from problems import TEN
+
+from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty, LDG,
+                   NormalCompliance, SemismoothNewtonSolver, Solve, SolveHistory, TrescaFriction)
+from ngdgc.contact.graph import SEPARATION, SLIP, STICK
+from ngdgc.meshes import BoxMesh, RectangleMesh
+
+MATERIAL = HookeMaterial(mu=400.0, lam=600.0)
+STIFFNESS, COEFFICIENT = 3000.0, 0.3
+# Of the states at t = 1, 2, ...: zone, displacement s along the foundation, depth w, and friction as a part of its bound.
+PATH = [(STICK, 0.0, 0.03, 0.5), (SLIP, 0.02, 0.03, 1.0), (STICK, 0.02, 0.03, -0.4), (SLIP, -0.01, 0.025, -1.0),
+        (SEPARATION, 0.05, -0.01, 0.0), (SLIP, 0.07, 0.02, 1.0)]
+ZONES = [zone for zone, *_ in PATH]
+
+
+def Along(t, values):
+    """The piecewise linear function of t with these values at 0, 1, 2, ..."""
+    found = values[-1]
+    for number, (a, b) in reversed(list(enumerate(pairwise(values)))):
+        found = IfPos(number + 1 - t, a + (t - number) * (b - a), found)
+    return found
+
+
+def Patch(t, dim, direction):
+    """A block in homogeneous states of stress, led along PATH: its displacement is prescribed but on the bottom.
+
+    u = (s + c h) e - (w - a h) n, h the height: friction is mu c, pressure -(lam + 2 mu) a = k w.
+    """
+    height = y if dim == 2 else z
+    pressures = [STIFFNESS * max(depth, 0) for _, _, depth, _ in PATH]
+    s, w = (Along(t, [0.0, *(state[place] for state in PATH)]) for place in (1, 2))
+    c = Along(t, [0.0, *(part * COEFFICIENT * p / 400.0 for p, (*_, part) in zip(pressures, PATH))])
+    a = Along(t, [0.0, *(-p / 1400.0 for p in pressures)])
+    along = [component * (s + c * height) for component in direction]
+    walls = "top|left|right" if dim == 2 else "top|left|right|front|back"
+    foundation = Foundation("bottom", NormalCompliance(STIFFNESS), friction=CoulombFriction(COEFFICIENT))
+    return ContactProblem(MATERIAL, foundation, dirichlet={walls: CF((*along, -w + a * height))})
+
+
+def Expected(direction):
+    """u and t on the bottom at t = 1, 2, ..., (m, d) each."""
+    u = [(*(slip * np.array(direction)), -depth) for _, slip, depth, _ in PATH]
+    t = [STIFFNESS * max(depth, 0) * np.array((*(part * COEFFICIENT * np.array(direction)), -1)) for _, _, depth, part in PATH]
+    return np.array(u), np.array(t)
+
+
+def Led(method, mesh, dim=2, direction=(1.0,), order=1):
+    t = Parameter(0)
+    disc = Discretization(Patch(t, dim, direction), method, mesh, order=order)
+    return SolveHistory(disc, parameter=t, times=range(1, len(PATH) + 1), solver=SemismoothNewtonSolver(tol=1e-12))
+
+
+CASES = [(method, RectangleMesh(2), 2, (1.0,)) for method in (*TEN, Conforming())]
+CASES += [(LDG(), RectangleMesh(2, cells="quad"), 2, (-1.0,)), (InteriorPenalty(), BoxMesh(1, cells="tet"), 3, (0.6, 0.8)),
+          (Conforming(), BoxMesh(2, cells="hex"), 3, (0.6, -0.8))]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method, mesh, dim, direction", CASES, ids=lambda value: str(value)[:20])
+def test_a_patch_is_exact_through_stick_slip_reversal_slip_back_separation_and_return(method, mesh, dim, direction):
+    """The states are in the space, so all digits are: 1e-10 of the largest displacement and traction."""
+    history = Led(method, mesh, dim, direction)
+    u, t = Expected(direction)
+    # At corners whose displacement H1 prescribes the friction of stick is not determined.
+    inside = np.ones(len(history[0].points), dtype=bool) if method.discontinuous else np.all(
+        np.abs(history[0].points[:, :dim - 1] - 0.5) < 0.49, axis=1)
+    assert np.abs(history.displacement - u[:, None]).max() < 1e-10 * np.abs(u).max()
+    assert np.abs(history.traction - t[:, None])[:, inside].max() < 1e-10 * np.abs(t).max()
+    assert [set(solution.zones[inside]) for solution in history] == [{zone} for zone in ZONES]
+    if method.discontinuous:
+        assert np.abs(history.forces["bottom"] + t).max() < 1e-10 * np.abs(t).max()         # area 1
+
+
+def test_control_the_law_without_memory_has_other_states():
+    t = Parameter(0)
+    disc = Discretization(Patch(t, 2, (1.0,)), LDG(), RectangleMesh(2))
+    history = SolveHistory(disc, parameter=t, times=range(1, len(PATH) + 1))
+    t.Set(3)
+    static = Solve(disc)
+    assert np.abs(static.traction - history[2].traction).max() > 0.3 * np.abs(history[2].traction).max()
+
+
+def Block(t, n=8, order=1, *, method=None, gap=0.0, exponent=1, friction=None, stiffness=1e5, u=None):
+    """A block pressed by t = 1, dragged until t = 3 and brought back until t = 5."""
+    u = u or (Along(t, [0, 0, 0.015, 0.03, 0.015, 0]), Along(t, [0, -0.02]))
+    foundation = Foundation("bottom", NormalCompliance(stiffness, exponent=exponent), friction=friction or CoulombFriction(0.3),
+                            gap=gap)
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": CF(u)})
+    return Discretization(problem, method or InteriorPenalty(), RectangleMesh(n), order=order)
+
+
+@pytest.mark.slow
+def test_every_increment_is_one_of_its_own():
+    """Each from rest with a matrix of its own, slip from the last state: the tolerances allow 1e-9 of the largest values."""
+    t = Parameter(0)
+    history = SolveHistory(Block(t, order=2), parameter=t, times=np.linspace(0, 5, 21)[1:])
+    alone = SemismoothNewtonSolver(tol=1e-12)
+    for before, after, time in zip(history.states[:-1], history.states[1:], history.times[1:]):
+        t.Set(time)
+        separate = alone.Solve(Block(t, order=2).After(before.displacement))
+        for name in ("displacement", "traction"):
+            expected = getattr(separate, name)
+            assert np.abs(getattr(after, name) - expected).max() < 1e-9 * np.abs(expected).max(), (name, time)
+    assert max(solution.EquilibriumResidual() for solution in history[::5]) < 1e-12
+
+
+def Proportional(steps, **changes):
+    """The force after the load of a block, pressed and sheared at once, has been raised in steps."""
+    t = Parameter(0)
+    disc = Block(t, u=(0.006 * t, -0.02 * t), **changes)
+    return SolveHistory(disc, parameter=t, times=np.linspace(0, 1, steps + 1)[1:], solver=SemismoothNewtonSolver(tol=1e-12))
+
+
+@pytest.mark.slow
+def test_a_proportional_load_without_gap_is_as_good_as_one_step_and_others_are_not():
+    """p_n linear and p_t proportional to it: all states are multiples of one, 1e-9 are the tolerances of 20 increments."""
+    def Difference(**changes):
+        many, one = Proportional(20, **changes), Proportional(1, **changes)
+        return np.abs(many.traction[-1] - one.traction[0]).max() / np.abs(one.traction).max()
+
+    assert Difference() < 1e-9
+    assert Difference(gap=0.004 * x) > 1e-4
+    assert Difference(friction=TrescaFriction(2)) > 1e-6
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", [InteriorPenalty(), Conforming()], ids=str)
+def test_work_is_energy_and_dissipation_up_to_the_increments(method):
+    """Backward Euler: the defect is of first order, so it halves, and friction takes too little, never too much."""
+    defects = []
+    for steps in (80, 160):
+        t = Parameter(0)
+        history = SolveHistory(Block(t, n=16, method=method), parameter=t, times=np.linspace(0, 5, steps + 1)[1:])
+        defect = history.work - history.energy - history.dissipation
+        assert defect.max() < 1e-6 * history.work[-1]
+        assert np.diff(history.dissipation).min() > -1e-12
+        defects.append(defect[-1])
+    assert 1.8 < defects[0] / defects[1] < 2.3 and -defects[0] < 1e-3 * history.work[-1]
+
+
+def test_energy_of_a_patch_is_that_of_its_stress():
+    """By hand: half of stress times strain over the unit square, and k w^2/2 of the foundation."""
+    history = Led(LDG(), RectangleMesh(2))
+    for (_, _, depth, part), energy in zip(PATH, history.energy):
+        pressure = STIFFNESS * max(depth, 0)
+        shear = part * COEFFICIENT * pressure
+        assert abs(energy - (pressure ** 2 / 1400 + shear ** 2 / 400) / 2 - STIFFNESS * max(depth, 0) ** 2 / 2) < 1e-10
+    # Between the states friction is that of the end of each step: w .(slip) of steps 2, 4 and 6.
+    slips = [0.02 * 27, 0.03 * 22.5, 0.02 * 18]
+    assert abs(history.dissipation[-1] - sum(slips)) < 1e-10

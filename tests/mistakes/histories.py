@@ -1,0 +1,59 @@
+"""Mistakes with load histories, as in `mistakes`."""
+
+from ngsolve import CF, Parameter
+
+from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, SolveHistory, UzawaSolver)
+from ngdgc.meshes import RectangleMesh
+
+
+def History(data=lambda t: {"dirichlet": {"top": CF((0.01 * t, -0.02))}}, *, times=(1, 2), n=2, friction=0.3, E=1000,
+            **options):
+    """A block on its foundation, led along a time."""
+    t = Parameter(0)
+    foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(friction))
+    material = HookeMaterial(E=E if not callable(E) else E(t), nu=0.3)
+    problem = ContactProblem(material, foundation, **data(t))
+    disc = Discretization(problem, InteriorPenalty(), RectangleMesh(n))
+    return SolveHistory(disc, **{"parameter": t, "times": times, **options})
+
+
+def Still(_):
+    return {"dirichlet": {"top": CF((0.01, -0.02))}}
+
+
+def Dragged(t):
+    """A force that in the end is more than friction holds."""
+    return {"traction": {"top": CF((t, -10))}}
+
+
+def Interrupted():
+    """Ctrl-C in the second increment."""
+    def Stop(increment):
+        if increment.time == 2:
+            raise KeyboardInterrupt
+
+    History(callback=Stop)
+
+
+HISTORIES = [
+    (lambda _: History(parameter=1), "parameter is 1 | the ngsolve.Parameter on which the data depend | give"),
+    (lambda _: History(parameter=Parameter(0)), "no datum of the problem depends on it | dirichlet={'top': | use it in"),
+    (lambda _: History(Still), "no datum of the problem depends on it | would be the same | use it in"),
+    (lambda _: History(E=lambda t: 1000 + t), "depends on the parameter | keeps its matrix | give the time to loads"),
+    (lambda _: History(times=3), "times is 3 | numbers that increase | give"),
+    (lambda _: History(times=()), "times is empty | np.linspace(0, 1, 21) | give"),
+    (lambda _: History(times=(0, "1")), "a time is '1' | numbers that increase | give"),
+    (lambda _: History(times=(0, 1, 0.5)), "times run backwards | 0.5 comes after 1 | give numbers that increase"),
+    (lambda _: History(start=3), "start is 3 | a LoadHistory with at least one state | give"),
+    (lambda _: History(start=History(times=(1, 3))), "times begin at 1 | start ends at 3 | give times from there on"),
+    (lambda _: History(start=History(times=(0, 1), n=4)), "start is of Discretization(IP | 32 elements | give the same mesh"),
+    (lambda _: History(start=History(times=(0, 1), friction=0.4)),
+     "start was computed with another problem | at time 1 its bounds differ | give the problem"),
+    (lambda _: History(solver=UzawaSolver()), "solver is UzawaSolver( | which start from the last state | give"),
+    (lambda _: History(callback=3), "callback is 3 | a function of a Step | give"),
+    (lambda _: History()[2], "history[2] | there are 2 states | give an integer from -2 to 1"),
+    (lambda _: History(lambda t: {"dirichlet": {"top": CF((0.01 / (t - 2), -0.02))}}),
+     "at time 2: dirichlet['top'] | not finite | look"),
+    (lambda _: History(Dragged, times=(1, 2, 8)), "at time 8: | push it along harder than friction holds | 2 states before"),
+    (lambda _: Interrupted(), "interrupted after 2 states | they are | its attribute states")]

@@ -23,6 +23,7 @@ FRICTIONS = {"none": (None, lambda r, p, s: 0 * r), "coulomb": (CoulombFriction(
              "tresca": (TrescaFriction(3.0), lambda r, p, s: 3 + 0 * r),
              "weakening": (SlipWeakeningFriction(0.6, 0.3, 2.0), lambda r, p, s: (0.3 + 0.3 * np.exp(-s / 2)) * p),
              "hardening": (SlipWeakeningFriction(0.3, 0.6, 0.1), lambda r, p, s: (0.6 - 0.3 * np.exp(-s / 0.1)) * p)}
+PLACES = "weights", "normals", "gap", "Normal", "dim", "origin"     # what the graph asks a ContactBoundary for
 GAMMAS = [0.5, 20.0, 1e3]
 
 
@@ -233,7 +234,7 @@ def test_a_law_that_returns_nan_is_reported():
     contact, q = Setting(2, (50.0, 1), "none")
     broken = SimpleNamespace(Pressure=lambda r: r * np.nan, PressureDerivative=lambda r: r * np.nan)
     part, = contact.parts
-    sick = SimpleNamespace(**{name: getattr(contact, name) for name in ("weights", "normals", "gap", "Normal", "dim")},
+    sick = SimpleNamespace(**{name: getattr(contact, name) for name in PLACES},
                            parts=[replace(part, compliance=broken)])
     ContactGraph(contact, 1.0).At(q)
     with pytest.raises(ProblemError, match="not finite"):
@@ -254,7 +255,7 @@ def test_a_law_that_ends_at_some_penetration_has_its_pairs_below():
             return np.where(r > 0, -np.log(1 - 100 * np.maximum(r, 0)), 0)
 
     barrier = SimpleNamespace(Pressure=Pressure, PressureDerivative=lambda r: np.where(r > 0, 100 / (1 - 100 * r), 0))
-    ended = SimpleNamespace(**{name: getattr(contact, name) for name in ("weights", "normals", "gap", "Normal", "dim")},
+    ended = SimpleNamespace(**{name: getattr(contact, name) for name in PLACES},
                             parts=[replace(part, compliance=barrier)])
     for gamma in GAMMAS:
         at = ContactGraph(ended, gamma).At(q)
@@ -273,7 +274,7 @@ def test_distance_to_a_law_that_is_not_monotone_vanishes_on_its_graph():
     drop = SimpleNamespace(Pressure=lambda r: np.where((r > 0) & (r < 0.1), 50 * r, 0),
                            PressureDerivative=lambda r: np.where((r > 0) & (r < 0.1), 50.0, 0))
     broken = SimpleNamespace(**{name: getattr(contact, name) for name in ("weights", "normals", "gap", "Normal", "Tangential",
-                                                                          "Penetration", "dim", "flexibility")},
+                                                                          "Penetration", "SinceOrigin", "dim", "flexibility")},
                              parts=[replace(part, compliance=drop)])
     r = np.linspace(-0.1, 0.3, len(contact.weights))
     u, t = (r + contact.gap)[:, None] * contact.normals, drop.Pressure(r)[:, None] * contact.normals

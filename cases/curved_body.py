@@ -34,7 +34,7 @@ def Lame(gap=GAP):
 def Problem(gap=GAP):
     foundation = Foundation("rock", NormalCompliance(STIFFNESS), gap=gap)
     return ContactProblem(CONCRETE, foundation, roller={"symmetry": 0},
-                          traction={"water": -PRESSURE * specialcf.normal(2)})
+                          traction={"water": -PRESSURE * specialcf.normal(2)}, units=("m", "MN/m^2"))
 
 
 def Mesh(n=16, curve=2):

@@ -22,7 +22,7 @@ REFERENCE = {0: 2.86e-5, 0.00125: 2.72e-5, 0.005: 2.28e-5, 0.0075: 1.98e-5, 0.01
 def Problem(stiffness=1e16, coefficient=1.0):
     foundation = Foundation("bottom", NormalCompliance(stiffness), friction=CoulombFriction(coefficient))
     return ContactProblem(HookeMaterial(E=1.3e11, nu=0.2), foundation, roller={"right": 0},
-                          traction={"top": CF((0, -5e7)), "left": CF((15e7, 0))})
+                          traction={"top": CF((0, -5e7)), "left": CF((15e7, 0))}, units=("m", "Pa"))
 
 
 def Mesh(n=32, cells="triangle"):

@@ -33,7 +33,7 @@ def Hertz(radius=RADIUS):
 def Problem(stiffness=1e7):
     foundation = Foundation("contact", NormalCompliance(stiffness), gap=y * RADIUS / (RADIUS - y))
     return ContactProblem(HookeMaterial(E=3000, nu=0.4), foundation, roller={"axis": 0},
-                          traction={"top": CF((0, -FORCE / (2 * RADIUS)))})
+                          traction={"top": CF((0, -FORCE / (2 * RADIUS)))}, units=("mm", "N/mm^2"))
 
 
 def Mesh(n=16, order=2):

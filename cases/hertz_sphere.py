@@ -33,7 +33,7 @@ def Hertz(radius=RADIUS):
 def Problem(stiffness=1e6):
     foundation = Foundation("contact", NormalCompliance(stiffness), gap=z * RADIUS / (RADIUS - z))
     return ContactProblem(HookeMaterial(E=3000, nu=0.4), foundation, roller={"symmetry": 0},
-                          traction={"top": CF((0, 0, -FORCE / (pi * RADIUS ** 2)))})
+                          traction={"top": CF((0, 0, -FORCE / (pi * RADIUS ** 2)))}, units=("mm", "N/mm^2"))
 
 
 def Mesh(n=12, order=2):

@@ -21,7 +21,7 @@ WIDTH, HEIGHT, DOWN, MODULUS = 40.0, 20.0, 0.2, 1.5
 def Problem(nu=0.499):
     foundation = Foundation("bottom", NormalCompliance(1e5))
     return ContactProblem(HookeMaterial(E=MODULUS, nu=nu), foundation, roller={"left": 0},
-                          dirichlet={"top": CF((0, -DOWN))})
+                          dirichlet={"top": CF((0, -DOWN))}, units=("mm", "N/mm^2"))
 
 
 def Mesh(n=16, cells="triangle"):

@@ -24,7 +24,7 @@ RADIUS, HEIGHT, DOWN, MODULUS = 40.0, 10.0, 0.1, 1.5
 def Problem(nu=0.499):
     foundation = Foundation("bottom", NormalCompliance(1e4))
     return ContactProblem(HookeMaterial(E=MODULUS, nu=nu), foundation, roller={"symmetry": 0},
-                          dirichlet={"top": CF((0, 0, -DOWN))})
+                          dirichlet={"top": CF((0, 0, -DOWN))}, units=("mm", "N/mm^2"))
 
 
 def Mesh(n=8, order=2):

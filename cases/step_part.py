@@ -42,7 +42,7 @@ def Write(path=FILE):
 def Problem(stiffness=300):
     foundation = Foundation("pad", NormalCompliance(stiffness), friction=CoulombFriction(0.4))
     return ContactProblem(HookeMaterial(E=70000, nu=0.33), foundation, dirichlet={"screw": CF((0, 0, 0))},
-                          traction={"bore": CF((0, 0, -LOAD / (2 * pi * RADIUS * DEPTH)))})
+                          traction={"bore": CF((0, 0, -LOAD / (2 * pi * RADIUS * DEPTH)))}, units=("mm", "N/mm^2"))
 
 
 def Mesh(n=10, order=2):

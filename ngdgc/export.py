@@ -21,6 +21,7 @@ from .solution.magnification import Magnification
 from .solution.solution import CheckSolution, ContactSolution
 from .solution.vtkfiles import VERTEX, ElementGrid, WriteUnstructured
 from .tools.calls import ByKeyword
+from .tools.units import InUnits
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
 COLOURS = colormaps["viridis"](np.linspace(0, 1, 12))[:, :3].tolist()    # NGSolve's own rainbow is not colour-blind safe
@@ -182,7 +183,7 @@ def _Page(states: Any, solution: ContactSolution, field: Field, scale: float, la
     from webgui_jupyter_widgets.html import GenerateHTML
 
     disc = solution.disc
-    words = f"{field.plain} {field.unit}".strip()
+    words = InUnits(f"{field.plain} {field.unit}".strip(), disc.problem.units)
     title = f"Displacement {words}" if field.name == "displacement" else words
     caption = f"{title}: {disc.method.name}, order {disc.order}, {disc.mesh.ne} elements"
     if not solution.converged:

@@ -12,12 +12,14 @@ from ..methods.registry import METHODS, PAPER
 from ..solution.solution import ContactSolution
 from ..tools.names import Known
 from ..tools.tables import Aligned
+from ..tools.units import InUnits
 from .arguments import Commands, Positive
 from .casefiles import LoadCase
 from .files import Files
 from .studies import Show, Write
 
-TITLES = ("method", "unknowns", "iterations", "solves", "seconds", "max |u|", "max p_n", "int p_n", "energy")
+TITLES = ("method", "unknowns", "iterations", "solves", "seconds", "max |u| [length]", "max p_n [stress]", "int p_n{force}",
+          "energy{energy}")
 
 
 def AddCompare(commands: Commands) -> None:
@@ -65,7 +67,10 @@ def Compare(options: Namespace) -> int:
 def Table(solutions: Mapping[str, ContactSolution]) -> str:
     """A line of text for each of {label: solution}: its size and cost, the elastic energy, and on Gamma_C the largest |u|
     [length] and p_n [stress], and the integral of p_n."""
-    rows: list[tuple[str, ...]] = [TITLES]
+    disc = next(iter(solutions.values())).disc
+    force, energy = (f" [stress length^{power}]" for power in (disc.mesh.dim - 1, disc.mesh.dim))
+    rows: list[tuple[str, ...]] = [tuple(InUnits(title.format(force=force, energy=energy), disc.problem.units, bare=True)
+                                         for title in TITLES)]
     for label, solution in solutions.items():
         last = solution.history[-1]
         values = (np.linalg.norm(solution.displacement, axis=1).max(), solution.pressure.max(), solution.normalforce,

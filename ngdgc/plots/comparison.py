@@ -14,6 +14,7 @@ from ..exceptions import ProblemError
 from ..solution.magnification import Magnification
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Panel, Unconverged
 from .curves import Along, Left
 from .deformed import DrawElements
@@ -28,6 +29,7 @@ ROW = 3         # deformed bodies in a row
 
 
 @ByKeyword
+@WithUnits
 def ComparisonFigure(solutions: Mapping[str, ContactSolution], *, scale: float | Literal["auto"] = 1) -> Figure:
     """Solutions {label: ContactSolution} of one problem, for example by several methods.
 

@@ -15,12 +15,14 @@ from ..contracts import Array
 from ..problem.foundation import Foundation
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS, HideNoise
 from .curves import GAP, Along, Curve, Left
 from .solid import ContactMaps
 
 
 @ByKeyword
+@WithUnits
 def ContactFigure(solution: ContactSolution, *, slip: bool = False) -> Figure:
     """Pressure, friction and penetration along Gamma_C, and its zones, a column for each foundation.
 

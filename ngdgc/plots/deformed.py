@@ -15,12 +15,14 @@ from ..mesh.facets import Coordinates
 from ..solution.magnification import Magnification
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, FoundationCurves, Left, SplitByElement
 from .surface import DeformedSurface
 
 
 @ByKeyword
+@WithUnits
 def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] = 1,
                    view: Sequence[float] | None = None) -> Figure:
     """The deformed mesh over the foundations, as figures 2 and 4 of the paper.

@@ -15,6 +15,7 @@ from ..mesh.checks import Sides
 from ..mesh.facets import Coordinates
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from .canvas import Frame, PlaneAxes
 from .curves import ElementOutlines, SplitByElement
 from .surface import Surface
@@ -23,6 +24,7 @@ DECADES = 4     # of shares at most that have colours of their own
 
 
 @ByKeyword
+@WithUnits
 def ErrorFigure(solution: ContactSolution, *, estimate: ErrorEstimate | None = None) -> Figure:
     """The elements in the colours of their shares in the estimated error, on a logarithmic scale [sqrt(stress length^d)].
 

@@ -17,6 +17,7 @@ from ..exceptions import ProblemError
 from ..solution.fields import Field, FieldOf
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from ..tools.values import Vectors
 from .canvas import Frame, Label, LabelAt, PlaneAxes, Unconverged
 from .curves import Curve, Curves, Literal, OutlinePoints
@@ -31,6 +32,7 @@ FLAT = 1e-12        # range of values that is round-off, relative to the largest
 
 
 @ByKeyword
+@WithUnits
 def FieldFigure(solution: ContactSolution, field: Any = "vonmises", *, cut: Sequence[Any] | None = None,
                 limits: Sequence[float] | None = None, view: Sequence[float] | None = None) -> Figure:
     """A field in colours on the undeformed body, each element with its own values: jumps between elements show.

@@ -15,6 +15,7 @@ from ..contact.parts import ContactPart, OverParts
 from ..contracts import Array
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
 from .curves import Left
 
@@ -26,6 +27,7 @@ LAW = "#999999"
 
 
 @ByKeyword
+@WithUnits
 def LawFigure(solution: ContactSolution) -> Figure:
     """Pressure over penetration and friction over slip at every contact point, on the graphs of the laws.
 

@@ -13,6 +13,7 @@ from ..exceptions import ProblemError
 from ..solution.fields import FieldOf
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from ..tools.values import Vectors
 from .canvas import BLUE, WIDTH, Panel, Unconverged
 
@@ -21,6 +22,7 @@ ASIDE = 1e-9        # by which a line is moved off the sides of elements that it
 
 
 @ByKeyword
+@WithUnits
 def LineFigure(solution: ContactSolution, a: Sequence[float], b: Sequence[float], *, field: Any = "vonmises") -> Figure:
     """A field along the straight line from a to b, over the distance from a [length]; broken at every element, so jumps show.
 

@@ -17,6 +17,7 @@ from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
 from .curves import Curve, Curves, ElementOutlines, FoundationCurves, Left, Literal, OutlinePoints, SplitByElement
 from .settingsolid import SettingSurface
@@ -26,6 +27,7 @@ ARROW = 0.12        # length of the longest arrow, relative to the body
 
 
 @ByKeyword
+@WithUnits
 def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None) -> Figure:
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 

@@ -15,6 +15,7 @@ from ..contact.graph import ZONES
 from ..contracts import Array
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from ..tools.units import WithUnits
 from .canvas import WIDTH, ZONE_COLOURS, Frame, PlaneAxes, Unconverged
 from .curves import GAP, Along, Curve, Curves, OutlinePoints
 from .solid import DrawMap, TangentFrame, TangentLabel
@@ -24,6 +25,7 @@ EDGE = "#222222"
 
 
 @ByKeyword
+@WithUnits
 def ZonesFigure(solution: ContactSolution) -> Figure:
     """Separation, stick and slip on Gamma_C, with the pressure p_n [stress], on the undeformed body [length].
 

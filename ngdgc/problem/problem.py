@@ -13,6 +13,7 @@ from ..data.regions import RegionName
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
 from ..tools.formula import Described
+from ..tools.units import CheckUnits
 from .foundation import Foundation
 from .materials import AnisotropicMaterial, HookeMaterial
 
@@ -30,6 +31,7 @@ class ContactProblem:
     roller : {region: scalar}, normal displacement u_n [length]; the tangential traction is zero there
     traction : {region: vector}, sigma n = f_2 [stress]
     bodyforce : vector f_1 [stress/length] or None
+    units : (length, stress) of all data, such as ("mm", "MPa"), for the words of figures and reports; nothing is converted
 
     Regions are NGSolve's regular expressions over boundary names ("left|bottom").  Boundaries that are not named are
     free.  Vectors are CoefficientFunctions, or tuples, with d components.
@@ -50,12 +52,14 @@ class ContactProblem:
     roller: Any = None
     traction: Any = None
     bodyforce: Any = None
+    units: Any = None
     __repr__ = Described
 
     if TYPE_CHECKING:       # what is given; what is kept is converted
         def __init__(self, material: HookeMaterial | AnisotropicMaterial, foundation: Foundation | Sequence[Foundation],
                      dirichlet: Mapping[str, VectorDatum] | None = None, roller: Mapping[str, Datum] | None = None,
-                     traction: Mapping[str, VectorDatum] | None = None, bodyforce: VectorDatum | None = None) -> None: ...
+                     traction: Mapping[str, VectorDatum] | None = None, bodyforce: VectorDatum | None = None,
+                     units: tuple[str, str] | None = None) -> None: ...
 
     def __post_init__(self) -> None:
         if not isinstance(self.material, (HookeMaterial, AnisotropicMaterial)):
@@ -70,6 +74,7 @@ class ContactProblem:
             object.__setattr__(self, name, _Regions(getattr(self, name), name, convert))
         if self.bodyforce is not None:
             object.__setattr__(self, "bodyforce", Vector(self.bodyforce, "bodyforce"))
+        object.__setattr__(self, "units", CheckUnits(self.units))
         if len({dim for _, dim in self._Dimensions()}) > 1:
             listing = ", ".join(f"{name}: {dim}" for name, dim in self._Dimensions())
             raise ProblemError(f"the data have different dimensions ({listing}); give all of them the dimension of the mesh")
@@ -77,7 +82,7 @@ class ContactProblem:
     def __reduce__(self) -> tuple[Any, ...]:
         # Mapping proxies are not pickled.
         data = (self.dirichlet, self.roller, self.traction)
-        return type(self), (self.material, self.foundation, *map(dict, data), self.bodyforce)
+        return type(self), (self.material, self.foundation, *map(dict, data), self.bodyforce, self.units)
 
     def _Dimensions(self) -> Iterator[tuple[str, int]]:
         for name in ("dirichlet", "traction"):

@@ -10,6 +10,7 @@ import numpy as np
 from ..contracts import Array
 from ..problem.problem import ContactProblem
 from ..tools.formula import Formula
+from ..tools.units import InUnits
 
 LINE = 78
 # What `ContactSolution.ToJSON` holds; ranges are {"smallest": , "largest": } over the contact points.
@@ -17,6 +18,7 @@ SCHEMA = {
     "ngdgc": "version", "ngsolve": "version", "case": "name of the case that was run, or null",
     "method": "name", "options": "the method as it is written in Python", "material": "as written", "foundations": "as written",
     "dirichlet": "of each region, as written", "roller": "the same", "traction": "the same", "bodyforce": "as written, or null",
+    "units": "of length and stress, or null",
     "order": "polynomial degree", "dimension": "2 or 3", "elements": "number", "dofs": "number of unknowns",
     "contact_points": "number",
     "solver": "as written", "inverse": "what solved the linear equations", "converged": "true or false",
@@ -64,7 +66,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         "ngdgc": version("ngdgc"), "ngsolve": version("ngsolve"),
         "case": solution.case,
         "material": repr(disc.problem.material), "foundations": [repr(foundation) for foundation in disc.problem.foundation],
-        **_Data(disc.problem),
+        **_Data(disc.problem), "units": disc.problem.units,
         "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
         "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
         "solver": solution.solver, "inverse": solution.inverse, "converged": solution.converged,
@@ -118,9 +120,10 @@ def _Range(values: Array) -> dict[str, float]:
 
 
 def Report(solution: Any) -> str:
-    """A page of text."""
+    """A page of text, with units where the problem has them."""
     numbers = Summary(solution)
-    return "\n".join([_Head(numbers), "", *_Iteration(numbers), "", *_Contact(numbers), "", *_Forces(numbers), ""])
+    text = "\n".join([_Head(numbers), "", *_Iteration(numbers), "", *_Contact(numbers), "", *_Forces(numbers), ""])
+    return InUnits(text, solution.disc.problem.units, bare=True)
 
 
 def _Head(numbers: dict[str, Any]) -> str:
@@ -163,14 +166,21 @@ def _Contact(numbers: dict[str, Any]) -> list[str]:
     doubts = {name: f" +- {error:.2g}" if error else "" for name, error in errors.items()}
     zones = ",  ".join(f"{name} {size:.4g}{doubts.get(name, '')} ({100 * size / total:.0f} %)"
                        for name, size in numbers["zones"].items())
-    rows = [("penetration u_n - g", "penetration"), ("pressure p_n", "pressure"), ("friction |sigma_t|", "friction"),
-            ("slip |u_t|", "slip")]
-    return [f"Contact boundary: {length} {total:.4g}", f"  {zones}",
-            *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g}" for label, key in rows),
-            f"  {'int p_n':<22}{numbers['normal_force']:>14.6g}",
-            f"Elastic energy {numbers['elastic_energy']:.6g}", *_Error(numbers["estimated_error"]),
+    rows = [("penetration u_n - g", "penetration", "length"), ("pressure p_n", "pressure", "stress"),
+            ("friction |sigma_t|", "friction", "stress"), ("slip |u_t|", "slip", "length")]
+    dim = numbers["dimension"]
+    return [f"Contact boundary: {length} {total:.4g} [length{'^2' if dim == 3 else ''}]", f"  {zones}",
+            *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g} [{unit}]"
+              for label, key, unit in rows),
+            f"  {'int p_n':<22}{numbers['normal_force']:>14.6g} {_Product(dim - 1)}",
+            f"Elastic energy {numbers['elastic_energy']:.6g} {_Product(dim)}", *_Error(numbers["estimated_error"]),
             *(f"Estimated error of the {name}: {', '.join(f'{error:+.2g}' for error in found['error'])}"
               for name, found in (numbers["estimated_quantities"] or {}).items())]
+
+
+def _Product(power: int) -> str:
+    """The unit of a force (d - 1), of a moment and an energy (d)."""
+    return "[stress length]" if power == 1 else f"[stress length^{power}]"
 
 
 def _Error(estimated: dict[str, Any] | None) -> list[str]:
@@ -185,7 +195,8 @@ def _Forces(numbers: dict[str, Any]) -> list[str]:
     dim = numbers["dimension"]
     axes = "xyz"[:dim]
     columns = [f"F_{axis}" for axis in axes] + (["moment"] if dim == 2 else [f"M_{axis}" for axis in axes])
-    rows = ["Forces on the body and moments about the origin", " " * 26 + "".join(f"{column:>13}" for column in columns)]
+    rows = [f"Forces on the body {_Product(dim - 1)} and moments about the origin {_Product(dim)}",
+            " " * 26 + "".join(f"{column:>13}" for column in columns)]
     total = np.zeros(len(columns))
     for resultant in numbers["resultants"]:
         modes = np.array(resultant["force"] + resultant["moment"])

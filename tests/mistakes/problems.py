@@ -109,6 +109,8 @@ FLOATING = {"dirichlet": None, "traction": None, "foundation": On()}
 PROBLEMS = [
     # Problems on a mesh.
     (lambda _: Example(material=2000), "material is 2000 | a HookeMaterial or an AnisotropicMaterial | give"),
+    (lambda _: Example(units="mm"), "units is 'mm' | those of length and stress of all data | give"),
+    (lambda _: Example(units=("mm", "mPa")), "no unit 'mPa' of stress | choose one of Pa, kPa, MPa | did you mean"),
     (lambda _: Example(foundation=[]), "foundation is [] | at least one | give a Foundation"),
     (lambda _: Example(dirichlet="right"), "dirichlet is 'right' | a dictionary {region: value} | give"),
     (lambda _: Disc(foundation=On(normal=(0, 1))),

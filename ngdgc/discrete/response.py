@@ -45,7 +45,7 @@ class ContactResponse:
             vector = self._Displacement(load, self.Restoring(displacement) - traction)
             return self._Equilibrium(vector, displacement, traction, load), None, None
         s = traction - near.traction - self.Restoring(displacement - near.displacement)
-        vector = near.vector - self._Solve(self.contact.Load(s))
+        vector = near.vector - self.Solve(self.contact.Load(s))
         equilibrium = self._Equilibrium(vector, displacement, traction, load)
         return equilibrium, s, near.displacement - equilibrium.displacement
 
@@ -79,7 +79,7 @@ class ContactResponse:
 
     def Product(self, s: Array) -> Array:
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
-        return self.contact.Displacement(self._Solve(self.contact.Load(s)))
+        return self.contact.Displacement(self.Solve(self.contact.Load(s)))
 
     def Free(self, load: Array) -> Array:
         """Coefficients of the response to a load, without prescribed displacements and tractions, (ndof,) -> (ndof,)."""
@@ -98,13 +98,14 @@ class ContactResponse:
             force, there = force - disc.Multiply(lift), there + self.contact.Displacement(lift)
         if np.any(there):
             pull = pull - self.Restoring(there)
-        vector = lift + self._Solve(force + self.contact.Load(pull))
+        vector = lift + self.Solve(force + self.contact.Load(pull))
         if not np.all(np.isfinite(vector)):
             raise ProblemError("the elastic matrix cannot be factorised: the response to the loads is not finite; look for "
                                "coefficients of extreme size and for degenerate elements")
         return vector
 
-    def _Solve(self, load: Array) -> Array:
+    def Solve(self, load: Array) -> Array:
+        """Coefficients (ndof,) of (A + T' W D T)^-1 times a load (ndof,)."""
         if self._deflation:
             return self._deflation.Solve(self._Inverse, load)
         return self._Inverse(load)

@@ -23,7 +23,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from ngsolve import VOL, GridFunction
+from ngsolve import GridFunction
 
 from ..contact.boundary import ContactBoundary
 from ..contracts import Array, Inverse
@@ -35,6 +35,7 @@ from ..mesh.facets import Free, Projected, Threads
 from ..methods.conforming import Conforming
 from ..methods.rows import InteriorPenalty
 from .goals import Goal
+from .loadquadrature import Owners
 from .nitsche import LinearisedContact
 
 SYMMETRIC = 1e-12   # difference of dt/dq and its transpose that is round-off
@@ -65,9 +66,7 @@ class Adjoint:
         self.contact = LinearisedContact(fine, vector)
         self.rest: Array = fine.load - fine.Multiply(vector)
         self._inverse = self._Factorise()
-        self._owners = np.empty(fine.space.ndof, dtype=int)
-        for element in fine.space.Elements(VOL):
-            self._owners[list(element.dofs)] = element.nr
+        self._owners = Owners(fine.space)
         self._beside, self._weights = _Beside(self.contact.contact, disc.contact)
         self._smooth = Conforming().Space(disc.mesh, disc.order, "|".join(disc.problem.dirichlet))
 

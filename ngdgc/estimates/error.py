@@ -17,12 +17,14 @@ from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
 from .estimate import ErrorEstimate, Relative
 from .lawpart import LawPart
+from .loadquadrature import LoadQuadrature
 from .oscillation import BodyOscillation, TractionOscillation
 from .piola import FACTORS
 from .potential import Potential
 
 PARTS = ("stress", "skew", "jumps", "law", "feasibility", "data")
 SIMPLICES = ET.TRIG, ET.TET
+POLYNOMIAL = 1e-4   # share of the data in value^2 up to which quadrature has seen all of them
 
 
 @ByKeyword
@@ -34,13 +36,15 @@ def EstimateError(solution: Any) -> ErrorEstimate:
         value^2 = |sym s - s_h|^2 + |skew s|^2 + |C eps(v) - s_h|^2 + 2 Phi + I^2 + osc^2
 
     parts : "stress", "skew", "jumps", these three; "law" 2 Phi and "feasibility" I^2, what v and s n lack of the law
-        (`lawpart`); "data" osc^2, of body force and tractions on Gamma_F, 0 where they are in V_h (`oscillation`)
+        (`lawpart`); "data" osc^2, of body force and tractions on Gamma_F, 0 where they are in V_h (`oscillation`), and what
+        their quadrature does to u_h where that matters (`loadquadrature`)
     |skew s|^2 : C^-1 of skew matrices is 1/(2 mu); on quadrilaterals, hexahedra and prisms, where one of s_ij and s_ji sees
         less of a shear than the other, the larger one counts for both
 
     For linear problems with s symmetric value is a bound (Prager and Synge).  No constant is chosen.  The cost is a small part
-    of that of the solution: no equation is solved.  `ErrorEstimate.bound` makes s symmetric on triangles, parallelograms and
-    tetrahedra; with friction that depends on the solution it takes some applications of A^-1.
+    of that of the solution: no equation is solved unless a load jumps inside of elements.  `ErrorEstimate.bound` makes s
+    symmetric on triangles, parallelograms and tetrahedra; with friction that depends on the solution it takes some applications
+    of A^-1.
 
     Raises ProblemError if the solution has not converged; for H1, which has no numerical flux; for methods of your own that are
     no rows of facet operators; with forms that were added; for pyramids.
@@ -102,6 +106,9 @@ def _Squares(solution: Any) -> dict[str, Array]:
     for gaps in LawPart(solution, potential, stress):
         np.add.at(squares["law"], gaps.elements, 2 * gaps.weights * gaps.envelope)
         np.add.at(squares["feasibility"], gaps.elements, gaps.weights * gaps.infeasible)
+    total = sum(square.sum() for square in squares.values())
+    if squares["data"].sum() > POLYNOMIAL * total:
+        squares["data"] += LoadQuadrature(solution, np.sqrt(total))
     return squares
 
 

@@ -81,10 +81,6 @@ class ContactResponse:
         """S_D s at the contact points, (n, d) -> (n, d), by one application of the inverse."""
         return self.contact.Displacement(self.Solve(self.contact.Load(s)))
 
-    def Free(self, load: Array) -> Array:
-        """Coefficients of the response to a load, without prescribed displacements and tractions, (ndof,) -> (ndof,)."""
-        return self._Solve(load)
-
     def Restoring(self, displacement: Array) -> Array:
         """D u, the traction of the stiffness in the matrix, (n, d)."""
         return np.zeros_like(displacement) if self.stiffness is None else Apply(self.stiffness, displacement)
@@ -105,7 +101,7 @@ class ContactResponse:
         return vector
 
     def Solve(self, load: Array) -> Array:
-        """Coefficients (ndof,) of (A + T' W D T)^-1 times a load (ndof,)."""
+        """Coefficients of the response to a load, without prescribed displacements and tractions, (ndof,) -> (ndof,)."""
         if self._deflation:
             return self._deflation.Solve(self._Inverse, load)
         return self._Inverse(load)

@@ -74,7 +74,7 @@ class Increments:
         dim = disc.contact.dim
         blocks = cast(Array, np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim)))
         self.known = KnownResponse(lambda s: self.response.Product(s), disc.contact.weights, blocks)
-        self.loads = SpannedLoads(lambda load: self.response.Free(load))
+        self.loads = SpannedLoads(lambda load: self.response.Solve(load))
         self.moment = self._Moment(disc, moment.loading, moment, moment.residual)
         self.free = self._Free(disc, moment.loading)[0]
         self.first = _First(displacement=moment.displacement, traction=moment.traction, free=self.free)

@@ -98,8 +98,8 @@ class DiscreteProblem(LinearEquations):
         current._Read()
         return current
 
-    def After(self, displacement: Array) -> DiscreteProblem:
-        """The same problem with slip that counts from a displacement of the contact points (n, d): that of an increment."""
+    def After(self, displacement: Array | None) -> DiscreteProblem:
+        """The same problem with slip that counts from a displacement of the contact points (n, d); None: from none."""
         other = Twin(self)
         other.origin, other.contact = displacement, self.contact.After(displacement)
         return other

@@ -2,52 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from os import PathLike
 from typing import Any
 
 import numpy as np
 
-from ..contracts import Array
+from ..contracts import Array, Inverter
 from ..exceptions import ProblemError
 from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
-
-
-@ByKeyword
-@dataclass(frozen=True)
-class Increment:
-    """What one increment took.
-
-    time : at its end;  parts : into which it was divided, 1 unless Newton's method failed;  solves : applications of A^-1
-    residual : how far displacement and traction are from law and equilibrium, no unit;  seconds : of this increment
-    """
-
-    time: float
-    parts: int
-    solves: int
-    residual: float
-    seconds: float
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class LoadState:
-    """What a history keeps of a state: arrays over the n contact points, and numbers.
-
-    displacement, traction : u, t (n, d);  origin : u of the state before, from which slip counts, or None
-    work, dissipation : cumulated;  energy : of body and foundations, all [stress length^d]
-    vector : coefficients of u (ndof,), or None where they are computed when they are asked for
-    """
-
-    time: float
-    displacement: Array
-    traction: Array
-    origin: Array | None
-    work: float
-    energy: float
-    dissipation: float
-    increment: Increment
-    vector: Array | None = None
+from . import saved
+from .recall import Recall
+from .states import Increment, LoadState
 
 
 @ByKeyword
@@ -81,9 +49,9 @@ class LoadHistory:
     (True, True, 1)
     """
 
-    def __init__(self, disc: Any, parameter: Any, states: Sequence[LoadState],
-                 Solution: Callable[[LoadState], ContactSolution]) -> None:
-        self.disc, self.parameter, self.states, self._Solution = disc, parameter, tuple(states), Solution
+    def __init__(self, disc: Any, parameter: Any, states: Sequence[LoadState], recall: Recall | None = None) -> None:
+        self.disc, self.parameter, self.states = disc, parameter, tuple(states)
+        self.recall = recall or Recall(disc, parameter)
 
     def __repr__(self) -> str:
         over = f", from {self.times[0]:g} to {self.times[-1]:g}" if self.states else ""
@@ -94,15 +62,15 @@ class LoadHistory:
 
     def __getitem__(self, place: Any) -> Any:
         if isinstance(place, slice):
-            return LoadHistory(self.disc, self.parameter, self.states[place], self._Solution)
+            return LoadHistory(self.disc, self.parameter, self.states[place], self.recall)
         try:
-            return self._Solution(self.states[place])
+            return self.recall(self.states[place])
         except (IndexError, TypeError) as error:
             raise ProblemError(f"history[{place!r}]: there are {len(self)} states; give an integer from {-len(self)} to "
                                f"{len(self) - 1}, or a slice") from error
 
     def __iter__(self) -> Iterator[ContactSolution]:
-        return (self._Solution(state) for state in self.states)
+        return (self.recall(state) for state in self.states)
 
     def Last(self) -> LoadState:
         """The last state, with the coefficients of its displacement."""
@@ -148,3 +116,24 @@ class LoadHistory:
     @property
     def increments(self) -> list[Increment]:
         return [state.increment for state in self.states]
+
+    def Save(self, folder: str | PathLike[str]) -> None:
+        """Write the history into `folder`, as `ContactSolution.Save` does its last state, which `ContactSolution.Load` reads.
+
+        Raises ProblemError if there is no state, or for what that raises it.
+        """
+        if not len(self):
+            raise ProblemError("the history has no state yet; save one that has")
+        saved.Keep(self[-1], self.states, folder)
+
+    @classmethod
+    def Load(cls, folder: str | PathLike[str], problem: Any, *, parameter: Any, added: Sequence[Any] = (),
+             inverse: str | Inverter | None = None) -> LoadHistory:
+        """The history saved in `folder`; the problem, with the Parameter on which its data depend, is given again.
+
+        added, inverse : as for `ContactSolution.Load`.  The other states are found again when they are asked for.
+
+        Raises ProblemError if the folder holds no history, or one of another problem: the last state is compared.
+        """
+        disc, states = saved.Read(folder, problem, parameter, added, inverse)
+        return cls(disc, parameter, states)

@@ -6,17 +6,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
-import numpy as np
-
 from ..discrete.problem import DiscreteProblem
 from ..discrete.response import ContactResponse
-from ..exceptions import ProblemError
-from ..solution.fingerprint import Differs, Fingerprint
 from ..solution.history import Step
 from ..solution.solution import ContactSolution
 from ..solvers.newton.setting import Setting
-from .history import LoadHistory, LoadState
 from .loading import Loading, Moment
+from .states import LoadState
 
 
 @contextmanager
@@ -67,22 +63,3 @@ class Recall:
             point = setting.graph.At(setting.graph.Coordinates(state.displacement, state.traction))
             self.response = ContactResponse(disc, setting.Stiffness(point))
         return self.response.Moved(disc)
-
-
-def CheckStart(start: Any, recall: Recall) -> None:
-    """Raise ProblemError unless a LoadHistory has a last state that is one of the problem of `recall`."""
-    if not isinstance(start, LoadHistory) or not len(start):
-        raise ProblemError(f"start is {start!r}; give a LoadHistory with at least one state, which SolveHistory returns")
-    disc, last = recall.disc, start.states[-1]
-    if start.disc is disc:
-        return
-    if start.disc.space.ndof != disc.space.ndof or last.traction.shape != disc.contact.normals.shape:
-        raise ProblemError(f"start is of {start.disc!r}, and this is {disc!r}; give the same mesh, method and order")
-    old = start[-1]
-    new = ContactSolution(recall.Disc(last), old.vector, old.traction)
-    slip, numbering = old.disc.contact.Slip(old.displacement), np.arange(disc.space.ndof)
-    tables = (Fingerprint(solution, old.penetration, slip, numbering) for solution in (old, new))
-    for (name, stored), (_, found) in zip(*tables):
-        if Differs(stored, found):
-            raise ProblemError(f"start was computed with another problem: at time {last.time:g} its {name} differ; give the "
-                               "problem, mesh and method that it was computed with")

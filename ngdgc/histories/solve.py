@@ -7,7 +7,6 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from ngsolve import Parameter
 
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
@@ -19,10 +18,12 @@ from ..solvers.newton.solver import SemismoothNewtonSolver
 from ..tools.calls import ByKeyword
 from ..tools.values import Finite
 from .energies import Dissipation, FoundationEnergy
-from .history import Increment, LoadHistory, LoadState
+from .history import LoadHistory
 from .increments import Increments
 from .loading import Loading, Moment, Work
-from .recall import CheckStart, Recall, Restoring
+from .recall import Recall, Restoring
+from .start import CheckParameter, CheckStart
+from .states import Increment, LoadState
 
 HALVINGS = 6    # of an increment that fails
 
@@ -62,24 +63,11 @@ def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
     if not isinstance(solver, (NestedNewtonSolver, SemismoothNewtonSolver)):
         raise ProblemError(f"solver is {solver!r}; give NestedNewtonSolver() or SemismoothNewtonSolver(), which start from the "
                            "last state")
-    _CheckParameter(disc, parameter)
+    CheckParameter(disc, parameter)
     run = _Run(disc, parameter, solver, callback)
     if start is not None:
         CheckStart(start, run.recall)
     return run.Along(_Times(times, start), start)
-
-
-def _CheckParameter(disc: DiscreteProblem, parameter: Any) -> None:
-    """Raise ProblemError unless it is a Parameter on which data depend, and not the material."""
-    if not isinstance(parameter, Parameter):
-        raise ProblemError(f"parameter is {parameter!r}; give the ngsolve.Parameter on which the data depend, t = Parameter(0)")
-    names = disc.state.Following(parameter)
-    if material := [name for name in names if name.startswith("material")]:
-        raise ProblemError(f"{material[0]} depends on the parameter; a history keeps its matrix: give the time to loads, "
-                           "prescribed displacements, gaps and laws alone")
-    if not names and not disc.added:
-        raise ProblemError("parameter: no datum of the problem depends on it, all states would be the same; use it in "
-                           "dirichlet, roller, traction, bodyforce, a gap or a law, dirichlet={'top': CF((0.03 * t, -0.02))}")
 
 
 def _Times(times: Any, start: LoadHistory | None) -> list[float]:

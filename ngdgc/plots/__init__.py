@@ -17,6 +17,7 @@ from .field import FieldFigure
 from .history import HistoryFigure
 from .law import LawFigure
 from .line import LineFigure
+from .loadhistory import LoadHistoryFigure
 from .setting import SettingFigure
 from .studies import AccuracyFigure, ConvergenceFigure, LockingFigure
 from .sweep import SweepFigure

@@ -26,8 +26,8 @@ KINDS = {"method": str, "arguments": dict, "order": int, "assembly": str, "inver
 LAW = 1e-6          # difference of a law residual and the one that was recorded, besides a thousandth of it
 
 
-def Keep(solution: Any, folder: str | PathLike[str]) -> None:
-    """Write a ContactSolution into a folder; ProblemError if it could not be read again."""
+def Keep(solution: Any, folder: str | PathLike[str], *, more: dict[str, Any] | None = None) -> None:
+    """Write a ContactSolution, and more arrays, into a folder; ProblemError if it could not be read again."""
     disc, method = solution.disc, solution.disc.method
     if type(method) not in METHODS.values():
         raise ProblemError(f"method is {method!r}, a {type(method).__name__} of your own, which a file cannot name; keep "
@@ -36,6 +36,7 @@ def Keep(solution: Any, folder: str | PathLike[str]) -> None:
     arrays = {"vector": solution.vector, "traction": solution.traction, "penetration": penetration, "slip": slip,
               "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(-1, 5),
               "dofs": _Dofs(disc.space) if disc.mesh.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
+              "origin": np.zeros((0, disc.mesh.dim)) if disc.origin is None else disc.origin, **(more or {}),
               **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
@@ -66,7 +67,8 @@ def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],
                            "folder as ContactSolution.Save has left it")
     for number, form in enumerate(added):
         disc.Add(_On(disc.space, form, f"added[{number}]"))
-    return disc, arrays, words
+    origin = arrays.get("origin", np.zeros(0))      # which folders of version 0.2 have not
+    return disc.After(origin) if origin.size else disc, arrays, words
 
 
 def _Inverse(name: str) -> str:

@@ -7,10 +7,13 @@ import pytest
 from ngsolve import CF, IfPos, Parameter, x, y, z
 from problems import TEN
 
-from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty, LDG,
-                   NormalCompliance, SemismoothNewtonSolver, Solve, SolveHistory, TrescaFriction)
+from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   LoadHistory, NormalCompliance, NotConvergedError, SemismoothNewtonSolver, Solve, SolveHistory,
+                   SolveInterrupted, TrescaFriction)
 from ngdgc.contact.graph import SEPARATION, SLIP, STICK
+from ngdgc.discrete.problem import DiscreteProblem
 from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.plots import LoadHistoryFigure
 
 MATERIAL = HookeMaterial(mu=400.0, lam=600.0)
 STIFFNESS, COEFFICIENT = 3000.0, 0.3
@@ -155,3 +158,67 @@ def test_energy_of_a_patch_is_that_of_its_stress():
     # Between the states friction is that of the end of each step: w .(slip) of steps 2, 4 and 6.
     slips = [0.02 * 27, 0.03 * 22.5, 0.02 * 18]
     assert abs(history.dissipation[-1] - sum(slips)) < 1e-10
+
+
+def test_a_history_goes_on_from_another_one_and_from_a_folder(tmp_path):
+    """All states, work and dissipation are those of a history in one piece, to the tolerance 1e-10 of its increments."""
+    t = Parameter(0)
+    disc, times = Block(t, n=4), np.linspace(0, 5, 21)[1:]
+    whole = SolveHistory(disc, parameter=t, times=times)
+    begun = SolveHistory(disc, parameter=t, times=times[:9])
+    begun.Save(tmp_path)
+    loaded = LoadHistory.Load(tmp_path, disc.problem, parameter=t)
+    assert t.Get() == 0 and np.array_equal(loaded.traction, begun.traction) and np.array_equal(loaded.work, begun.work)
+    assert np.array_equal(loaded[3].zones, begun[3].zones)
+    for start, going in ((begun, disc), (loaded, loaded.disc)):
+        rest = SolveHistory(going, parameter=t, times=times[9:], start=start)
+        assert np.abs(rest.traction - whole.traction[9:]).max() < 1e-8 * np.abs(whole.traction).max()
+        assert rest.work == pytest.approx(whole.work[9:], rel=1e-8)
+        assert rest.dissipation == pytest.approx(whole.dissipation[9:], rel=1e-8)
+    # Control: what is no start goes another way.
+    fresh = SolveHistory(disc, parameter=t, times=times[9:])
+    assert np.abs(fresh.traction - whole.traction[9:]).max() > 1e-3 * np.abs(whole.traction).max()
+
+
+def test_a_failure_names_the_time_and_keeps_the_states_and_the_parameter():
+    """A force that in the end is more than friction holds; and a callback that fails."""
+    t = Parameter(0.25)
+    foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(0.3))
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction={"top": CF((t, -10))})
+    disc = Discretization(problem, InteriorPenalty(), RectangleMesh(2))
+    with pytest.raises(NotConvergedError, match="at time 8: ") as failed:
+        SolveHistory(disc, parameter=t, times=[1, 2, 8])
+    assert failed.value.states.times.tolist() == [1, 2] and t.Get() == 0.25
+    seen = []
+
+    def Stop(increment):
+        seen.append(increment.time)
+        if increment.time == 2:
+            raise KeyboardInterrupt
+
+    with pytest.raises(SolveInterrupted) as stopped:
+        SolveHistory(disc, parameter=t, times=[1, 2, 2.5], callback=Stop)
+    assert seen == [1, 2] and len(stopped.value.states) == 2 and t.Get() == 0.25
+    assert stopped.value.solution.traction == pytest.approx(stopped.value.states[-1].traction)
+
+
+def test_no_factorisation_after_the_first_increment(monkeypatch):
+    """Those of the first state and its coarser meshes, one with the stiffness of contact, and no more."""
+    made = []
+    factorise = DiscreteProblem.Factorise
+    monkeypatch.setattr(DiscreteProblem, "Factorise", lambda disc, matrix: made.append(1) or factorise(disc, matrix))
+    counts = []
+    t = Parameter(0)
+    history = SolveHistory(Block(t), parameter=t, times=np.linspace(0, 5, 21)[1:], callback=lambda _: counts.append(len(made)))
+    assert counts[1] == counts[0] + 1 == counts[-1] and sum(increment.parts for increment in history.increments) == 20
+    assert sum(increment.solves for increment in history.increments[1:]) < 8 * 19
+    assert min(increment.solves for increment in history.increments) == 0
+
+
+def test_figure_has_the_forces_and_the_energies_of_the_history():
+    history = Led(LDG(), RectangleMesh(1))
+    left, right = LoadHistoryFigure(history).axes
+    assert np.array_equal(left.lines[0].get_ydata(), history.forces["bottom"][:, 0])
+    assert [line.get_label() for line in right.lines] == ["work", "energy", "dissipation", "energy + dissipation"]
+    left, _ = LoadHistoryFigure(history, against=history.displacement[:, 0, 0]).axes
+    assert np.array_equal(left.lines[1].get_xdata(), history.displacement[:, 0, 0])

@@ -2,9 +2,10 @@
 
 from ngsolve import CF, Parameter
 
-from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty, LoadHistory,
                    NormalCompliance, SolveHistory, UzawaSolver)
 from ngdgc.meshes import RectangleMesh
+from ngdgc.plots import LoadHistoryFigure
 
 
 def History(data=lambda t: {"dirichlet": {"top": CF((0.01 * t, -0.02))}}, *, times=(1, 2), n=2, friction=0.3, E=1000,
@@ -56,4 +57,11 @@ HISTORIES = [
     (lambda _: History(lambda t: {"dirichlet": {"top": CF((0.01 / (t - 2), -0.02))}}),
      "at time 2: dirichlet['top'] | not finite | look"),
     (lambda _: History(Dragged, times=(1, 2, 8)), "at time 8: | push it along harder than friction holds | 2 states before"),
+    (lambda folder: History()[:0].Save(folder), "the history has no state yet | that has | save one"),
+    (lambda folder: LoadHistory.Load(folder / "none", None, parameter=Parameter(0)),
+     "holds no history | LoadHistory.Save has written | give"),
+    (lambda folder: LoadHistory.Load(folder, None, parameter=3),
+     "parameter is 3 | the ngsolve.Parameter on which the data depend | give"),
+    (lambda _: LoadHistoryFigure(3), "history is 3 | which SolveHistory returns | give"),
+    (lambda _: LoadHistoryFigure(History(), against=[1]), "against is [1] | each of the 2 states | give one number"),
     (lambda _: Interrupted(), "interrupted after 2 states | they are | its attribute states")]

@@ -1,0 +1,44 @@
+"""What is kept of every state of a history, and what it has cost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ..contracts import Array
+from ..tools.calls import ByKeyword
+
+
+@ByKeyword
+@dataclass(frozen=True)
+class Increment:
+    """What one increment took.
+
+    time : at its end;  parts : into which it was divided, 1 unless Newton's method failed;  solves : applications of A^-1
+    residual : how far displacement and traction are from law and equilibrium, no unit;  seconds : of this increment
+    """
+
+    time: float
+    parts: int
+    solves: int
+    residual: float
+    seconds: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class LoadState:
+    """What a history keeps of a state: arrays over the n contact points, and numbers.
+
+    displacement, traction : u, t (n, d);  origin : u of the state before, from which slip counts, or None
+    work, dissipation : cumulated;  energy : of body and foundations, all [stress length^d]
+    vector : coefficients of u (ndof,), or None where they are computed when they are asked for
+    """
+
+    time: float
+    displacement: Array
+    traction: Array
+    origin: Array | None
+    work: float
+    energy: float
+    dissipation: float
+    increment: Increment
+    vector: Array | None = None

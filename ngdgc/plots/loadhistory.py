@@ -1,0 +1,45 @@
+"""Forces and energies of a load history."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from ..exceptions import ProblemError
+from ..histories.history import LoadHistory
+from ..tools.calls import ByKeyword
+from ..tools.values import Reals
+from .canvas import BLUE, FOUNDATION_COLOURS, GREEN, ORANGE, VERMILION, WIDTH, Panel
+
+STYLES = "-", "--", ":"
+
+
+@ByKeyword
+def LoadHistoryFigure(history: LoadHistory, *, against: Any = None) -> Figure:
+    """Forces of the foundations on the body, and where the work goes, along a `LoadHistory`.
+
+    against : (m,), what is drawn on the abscissa of the forces, such as a prescribed displacement [length]; None: the times
+
+    Left the components of the force of every foundation [stress length^(d-1)]; right work, energy and dissipation over time
+    [stress length^d], and their balance.  Raises ProblemError for anything but a LoadHistory, and values of another number.
+    """
+    if not isinstance(history, LoadHistory) or not len(history):
+        raise ProblemError(f"history is {history!r}; give a LoadHistory with states, which SolveHistory returns")
+    abscissa = history.times if against is None else Reals(against, history.times.shape)
+    if abscissa is None:
+        raise ProblemError(f"against is {against!r}; give one number for each of the {len(history)} states")
+    figure = Figure(figsize=(1.5 * WIDTH, 3.4), layout="constrained")
+    left, right = figure.subplots(1, 2)
+    for colour, (region, forces) in zip(FOUNDATION_COLOURS * len(history.forces), history.forces.items()):
+        for style, axis, component in zip(STYLES, "xyz", forces.T):
+            left.plot(abscissa, component, style, color=colour, label=f"{region}, $F_{axis}$", marker=".", markersize=3)
+    Panel(left, xlabel="time" if against is None else "displacement [length]", ylabel="force on the body").legend(frameon=False)
+    for name, colour, style in (("work", BLUE, "-"), ("energy", GREEN, "-"), ("dissipation", VERMILION, "-")):
+        right.plot(history.times, getattr(history, name), style, color=colour, label=name)
+    balance = history.energy + history.dissipation
+    if np.all(np.isfinite(balance)):
+        right.plot(history.times, balance, ":", color=ORANGE, label="energy + dissipation", linewidth=2.5, zorder=1)
+    Panel(right, xlabel="time", ylabel="work").legend(frameon=False)
+    return figure

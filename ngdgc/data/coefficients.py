@@ -45,15 +45,32 @@ def Vector(value: Any, name: str) -> CoefficientFunction:
     return value
 
 
+def ScalarOrVector(value: Any, name: str) -> float | CoefficientFunction:
+    """What `Scalar` takes, or `Vector`: one value for every component."""
+    if IsNumber(value) or isinstance(value, CoefficientFunction) and value.dim == 1:
+        return Scalar(value, name)
+    return Vector(value, name)
+
+
 def Unfolded(value: Any) -> CoefficientFunction:
     """The same coefficient, kept by NGSolve even where it is zero: an integrand that folds to 0 is an error there."""
     return CF(value) + Parameter(0) * (CF(1) if CF(value).dim == 1 else CF((1,) * CF(value).dim))
 
 
 def OnFacets(problem: Any, kind: str, region: str, mesh: Mesh) -> CoefficientFunction:
-    """What a problem prescribes on a region, kind "dirichlet", "roller" or "traction", for integrals ds(skeleton=True)."""
-    value = getattr(problem, kind)[region]
+    """What a problem prescribes on a region, kind "dirichlet", "roller" or "spring", for integrals ds(skeleton=True)."""
+    return ForFacets(getattr(problem, kind)[region], kind, region, mesh)
+
+
+def ForFacets(value: Any, kind: str, region: str, mesh: Mesh) -> CoefficientFunction:
+    """The same of a value that is given."""
     return Unfolded(FromInside(value, mesh.Boundaries(region), f"{kind}[{region!r}]"))
+
+
+def SpringPull(problem: Any, region: str, u: CoefficientFunction, mesh: Mesh) -> CoefficientFunction:
+    """(k_i u_i), minus the traction of the springs of a region on the body, for integrals ds(skeleton=True)."""
+    k = OnFacets(problem, "spring", region, mesh)
+    return k * u if k.dim == 1 else CF(tuple(k[axis] * u[axis] for axis in range(k.dim)))
 
 
 def Pointwise(law: Any) -> bool:
@@ -86,6 +103,11 @@ def ValuesAt(value: Any, points: np.ndarray, name: str, region: Region | None = 
     region : mesh.Boundaries(...), for points on it; the values there are those inside the body
     """
     return np.full(len(points), float(value)) if IsNumber(value) else VectorsAt(value, points, name, region)[:, 0]
+
+
+def EntriesAt(value: Any, points: np.ndarray, name: str, region: Region | None = None) -> Array:
+    """Of a scalar what `ValuesAt` gives, (npoints,), of a vector what `VectorsAt` gives, (npoints, d)."""
+    return (ValuesAt if IsNumber(value) or value.dim == 1 else VectorsAt)(value, points, name, region)
 
 
 def VectorsAt(value: Any, points: np.ndarray, name: str, region: Region | None = None) -> Array:

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from ngsolve import FESpace, Mesh
 
-from ..contracts import Method
-from ..data.coefficients import ValuesAt, VectorsAt
+from ..contracts import Array, Method
+from ..data.coefficients import CheckRange, EntriesAt, ValuesAt, VectorsAt
 from ..data.inside import CheckMaterials
 from ..data.regions import Matching
 from ..exceptions import ProblemError
@@ -18,6 +18,8 @@ from ..mesh.quadrature import BoundaryQuadrature
 from ..problem.problem import ContactProblem
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
+# A roller prescribes the normal component only, so a tangential traction may act there; springs take up what they are given.
+SHARED = ({"roller", "traction"}, {"spring", "traction"}, {"spring", "force"})
 
 
 def CheckMesh(problem: ContactProblem, mesh: Any) -> None:
@@ -42,8 +44,7 @@ def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
         Matching(mesh, region, kind, there=facets.boundary[1], note="; Gamma_C would be empty" if kind == "foundation" else "")
         on = facets.On(region)
         for firstkind, firstregion, first in found:
-            # A roller prescribes the normal component only, so a tangential traction may act there.
-            if np.any(on & first) and {firstkind, kind} != {"roller", "traction"}:
+            if np.any(on & first) and {firstkind, kind} not in SHARED:
                 number, regions, _ = facets.boundary
                 shared = " and ".join(repr(str(name)) for name in np.unique(names[regions[(on & first)[number]]]))
                 raise ProblemError(f"boundary {shared} is claimed twice, by {firstkind} {firstregion!r} and by {kind} "
@@ -76,6 +77,13 @@ def CheckSpace(method: Method, space: Any, scalar: Any, mesh: Mesh, clamped: str
                            f"of {there.NumSet()} dofs there; hold those of `clamped`, or say weak = True")
 
 
+def CheckPart(disc: Any, part: Any, name: str, axes: int) -> None:
+    """What the form of a DiscreteProblem gives is as large as the space."""
+    found, wanted = getattr(part, "shape", None), (disc.space.ndof,) * axes
+    if found != wanted:
+        raise ProblemError(f"the form of method {disc.method.name} gives {name} of shape {found}; its space has {wanted}")
+
+
 def CheckData(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
     """All coefficients are finite, of the right shape and in range at quadrature points."""
     volume = VolumePoints(mesh, CHECK_ORDER)
@@ -85,11 +93,28 @@ def CheckData(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
             CheckMaterials(entry, mesh, name)
     if problem.bodyforce is not None:
         VectorsAt(problem.bodyforce, volume, "bodyforce")
-    for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt)):
+    for kind, at in (("dirichlet", VectorsAt), ("roller", ValuesAt), ("traction", VectorsAt), ("force", VectorsAt),
+                     ("spring", StiffnessesAt)):
         for region, value in getattr(problem, kind).items():
             points = BoundaryQuadrature.On(facets, region, CHECK_ORDER).points
-            at(value, points, f"{kind}[{region!r}]", mesh.Boundaries(region))
+            found = at(value, points, f"{kind}[{region!r}]", mesh.Boundaries(region))
+            if kind == "force":
+                CheckForce(found, f"force[{region!r}]")
     CheckRollerTractions(problem, facets)
+
+
+def StiffnessesAt(value: Any, points: np.ndarray, name: str, region: Any) -> Array:
+    """Stiffnesses of springs at points, (n,) or (n, d), none of them negative."""
+    found = EntriesAt(value, points, name, region)
+    CheckRange(found, name, least=0)
+    return found
+
+
+def CheckForce(values: Array, name: str) -> None:
+    """Raise ProblemError for a force whose values (n, d) at points of its region differ: it is a total."""
+    if np.ptp(values, axis=0).max() > 1e-12 * np.abs(values).max():
+        raise ProblemError(f"{name} varies over its region; it is the total, a vector that may depend on Parameters, and is "
+                           "spread evenly: give traction for what varies")
 
 
 def CheckRollerTractions(problem: ContactProblem, facets: Facets) -> None:

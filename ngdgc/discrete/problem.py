@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import GridFunction, Mesh, ds, dx
+from ngsolve import CoefficientFunction, GridFunction, Mesh
 
 from ..contact.boundary import ContactBoundary
 from ..contracts import Array, FluxForm, Form, Inverse, Inverter, Method, Missing
-from ..data.coefficients import LOADBONUS, OnFacets, Unfolded
 from ..data.inside import OnBoundary
 from ..exceptions import ProblemError
 from ..linear.choice import CheckInverter, Chosen
@@ -19,7 +18,6 @@ from ..linear.outside import Made
 from ..mesh.facets import Csr, Facets, Native, Threads
 from ..mesh.quadrature import ContactRules
 from ..methods.coercivity import CheckCoercivity, CheckSum
-from ..methods.symbolform import Coefficients
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
 from ..tools.kinds import Short
@@ -27,9 +25,11 @@ from ..tools.memory import CheckAssembly
 from ..tools.names import NameOf
 from ..tools.values import Among, Order
 from .added import AddedForms
-from .checks import CheckData, CheckMesh, CheckRegions, CheckSpace
+from .checks import CheckData, CheckMesh, CheckPart, CheckRegions, CheckSpace
 from .frozen import Frozen, OfMatrix, Twin
+from .loads import Loads, Tractions
 from .restraints import Restraints
+from .springs import Springs
 from .state import State
 
 
@@ -86,14 +86,14 @@ class DiscreteProblem(LinearEquations):
     def Current(self) -> DiscreteProblem:
         """The same with the values that Parameters have now: this one if they are what they were, else a copy.
 
-        A copy shares matrix and inverse if no Parameter in the material or in an added form has changed.
+        A copy shares matrix and inverse if no Parameter in the material, in a spring or in an added form has changed.
         """
         self.state.CheckFixed()
         changed, added = self.state.Parameters(), self.added.Current()
         if not changed and added is self.added:
             return self
         current = Twin(self)
-        same = added.SameMatrix(self.added) and not any(name.startswith("material") for name in changed)
+        same = added.SameMatrix(self.added) and not any(name.startswith(("material", "spring")) for name in changed)
         current.derived, current.elastic, current.added = {}, self.elastic if same else {}, added
         current._Read()
         return current
@@ -160,28 +160,34 @@ class DiscreteProblem(LinearEquations):
         self.restraints.Check()
         with Threads(self.mesh):
             matrix = self.form.Matrix()
-            self._CheckForm(matrix, "Matrix()", 2)
-            if self.added.matrix is not None:
-                matrix = Native(Csr(matrix) + self.added.matrix)
+            CheckPart(self, matrix, "Matrix()", 2)
+            elastic = matrix
+            if self.addedmatrix is not None:
+                matrix = Native(Csr(matrix) + self.addedmatrix)
             if not np.all(np.isfinite(matrix.AsVector().FV().NumPy())):
                 raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
                                    "division by zero or a root of a negative number")
             if self.added.matrix is not None:
                 CheckSum(self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
             else:
-                CheckCoercivity(self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
+                CheckCoercivity(self.form, elastic, self.space.FreeDofs(), self.restraints.soft)
         return matrix
-
-    def _CheckForm(self, part: Any, name: str, axes: int) -> None:
-        """What the form gives is as large as the space."""
-        found, wanted = getattr(part, "shape", None), (self.space.ndof,) * axes
-        if found != wanted:
-            raise ProblemError(f"the form of method {self.method.name} gives {name} of shape {found}; its space has {wanted}")
 
     @Frozen
     def restraints(self) -> Restraints:
         """What holds the body."""
-        return Restraints(self.problem, self.facets, self.contact, self.space, self.added.matrix)
+        return Restraints(self.problem, self.facets, self.contact, self.space, self.addedmatrix)
+
+    @OfMatrix
+    def springs(self) -> dict[str, Any]:
+        """{region: scipy CSR} of int k u.v over the regions with springs."""
+        return Springs(self.problem, self.space)
+
+    @OfMatrix
+    def addedmatrix(self) -> Any:
+        """What is added to B_h, scipy CSR or None: springs, and the bilinear forms of the user's own."""
+        parts = [*self.springs.values(), *([] if self.added.matrix is None else [self.added.matrix])]
+        return sum(parts[1:], parts[0]) if parts else None
 
     @property
     def loose(self) -> str | None:
@@ -190,7 +196,7 @@ class DiscreteProblem(LinearEquations):
 
     @property
     def unresisted(self) -> str | None:
-        """Words for the rigid motions that added forms do not resist either, so that only contact does, or None."""
+        """Words for the rigid motions that springs and added forms do not resist either, so that only contact does, or None."""
         return self.restraints.unresisted
 
     @property
@@ -201,26 +207,14 @@ class DiscreteProblem(LinearEquations):
         return abs(self.added.matrix - self.added.matrix.T).max() <= 1e-12 * abs(self.added.matrix).max()
 
     @Frozen
+    def tractions(self) -> dict[tuple[str, str], CoefficientFunction]:
+        """{(kind, region): vector}, what acts on Gamma_F [stress]: tractions as they are given, forces over their areas."""
+        return Tractions(self.problem, self.space)
+
+    @Frozen
     def loads(self) -> dict[tuple[str, str | None], Array]:
-        """Coefficients of the loads, {(kind, region): (ndof,)}: body force, tractions, weakly prescribed displacements."""
-        v, problem = self.space.TestFunction(), self.problem
-        loads: dict[tuple[str, str | None], Array] = {}
-        if problem.bodyforce is not None:
-            loads["bodyforce", None] = Coefficients(Unfolded(problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
-        for region in problem.traction:
-            measure = ds(skeleton=True, definedon=self.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-            loads["traction", region] = Coefficients(OnFacets(problem, "traction", region, self.mesh) * v * measure)
-        if self.added.load is not None:
-            loads["added", None] = self.added.load
-        for region, load in self.form.Prescribed().items():
-            self._CheckForm(load, f"Prescribed()[{region!r}]", 1)
-            loads["prescribed", region] = load
-        for (kind, region), load in loads.items():
-            if not np.all(np.isfinite(load)):
-                name = f"{kind}[{region!r}]" if region else kind
-                raise ProblemError(f"{name} is not finite at some quadrature point; look for a division by zero or a root of a "
-                                   "negative number")
-        return loads
+        """Coefficients of the loads, {(kind, region): (ndof,)}: body force, tractions, forces, weakly imposed displacements."""
+        return Loads(self)
 
     @property
     def load(self) -> Array:

@@ -26,12 +26,12 @@ DEPTHS = 10.0 ** np.arange(-6, 1)   # penetrations at which a foundation may res
 class Restraints:
     """Rigid motions of the parts of a body and what resists them.
 
-    added : scipy matrix of added forms on `space`, or None
+    added : scipy matrix of springs and added forms on `space`, or None
 
     Attributes
     ----------
     loose : words for the motions that neither dirichlet nor roller resist, or None
-    unresisted : words for those that added forms do not resist either, so that only contact does, or None
+    unresisted : words for those that springs and added forms do not resist either, so that only contact does, or None
     """
 
     def __init__(self, problem: ContactProblem, facets: Facets, contact: ContactBoundary, space: FESpace,
@@ -61,7 +61,7 @@ class Restraints:
         """Raise ProblemError for a body with a rigid motion that nothing resists."""
         if free := self.unresisted and FreeMotion(self.facets, self._supports, self._springs, self._foundations):
             raise ProblemError(f"the body floats: nothing resists {free}, neither dirichlet nor roller nor a foundation with a "
-                               "stiffness nor an added form; hold it with dirichlet or roller")
+                               "stiffness nor a spring nor an added form; hold it with dirichlet or roller")
 
 
 def Supports(problem: ContactProblem, facets: Facets, contact: ContactBoundary) -> tuple[Array, Array]:

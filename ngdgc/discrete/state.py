@@ -57,7 +57,7 @@ def Data(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
         for role in ("compliance", "friction"):
             law = getattr(foundation, role)
             yield from ((f"{where}: {name} of {role}", value) for name, value in getattr(law, "__dict__", {}).items())
-    for kind in ("dirichlet", "roller", "traction"):
+    for kind in ("dirichlet", "roller", "traction", "force", "spring"):
         yield from ((f"{kind}[{region!r}]", value) for region, value in getattr(problem, kind).items())
     yield "bodyforce", problem.bodyforce
 

@@ -47,7 +47,7 @@ def EstimateError(solution: Any) -> ErrorEstimate:
     of A^-1.
 
     Raises ProblemError if the solution has not converged; for H1, which has no numerical flux; for methods of your own that are
-    no rows of facet operators; with forms that were added; for pyramids.
+    no rows of facet operators; with forms that were added or springs; for pyramids.
 
     >>> from ngdgc import *
     >>> from ngdgc.errors import EnergyError
@@ -79,6 +79,9 @@ def _Check(solution: Any) -> None:
     if not isinstance(disc.facetform, FacetForm):
         raise ProblemError(f"method {disc.method.name} has a form of its own; errors are estimated for those whose Form is a "
                            "FacetForm, as all methods of ngdgc have it")
+    if disc.problem.spring:
+        raise ProblemError("the problem has springs, whose share in the energy norm no estimate here knows; "
+                           "take EstimateForce, or hold the body with dirichlet or roller")
     if disc.added:
         raise ProblemError("forms were added, whose forces the numerical flux does not know; errors are estimated of problems "
                            "without them")

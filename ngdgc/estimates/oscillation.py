@@ -34,9 +34,9 @@ def TractionOscillation(disc: Any, stress: EquilibratedStress) -> Iterator[tuple
 
 def _Tractions(disc: Any, stress: EquilibratedStress) -> Iterator[tuple[BoundaryQuadrature, Array]]:
     """(quadrature on Gamma_F, f_2 - s n (m, d) there); on rollers the tangential part, which alone is given."""
-    for region, value in disc.problem.traction.items():
+    for (kind, region), value in disc.tractions.items():
         quadrature = BoundaryQuadrature.On(disc.facets, region, 2 * disc.order + DEGREE)
-        name = f"traction[{region!r}]"
+        name = f"{kind}[{region!r}]"
         rest = VectorsAt(value, quadrature.points, name, disc.mesh.Boundaries(region)) - stress.Traction(quadrature)
         rolling = np.zeros(len(disc.facets.neighbours), dtype=bool)
         for roller in disc.problem.roller:

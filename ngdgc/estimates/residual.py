@@ -9,7 +9,7 @@ from ngsolve import (CF, TET, TRIG, CoefficientFunction, Grad, GridFunction, Inn
                      OuterProduct, Sym, VectorValued, ds, dx, specialcf)
 
 from ..contracts import Array
-from ..data.coefficients import OnFacets, Unfolded
+from ..data.coefficients import ForFacets, OnFacets, Unfolded
 from ..exceptions import ProblemError
 from ..mesh.facets import Curved, Projected, Threads
 from ..methods.symbolform import OtherStrain
@@ -39,7 +39,8 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     the average of sigma_h n, and on Gamma_F the traction itself.  t(q) is the point q of the graph of the law
     (`contact.graph`): it tells whether (u_h, t) obeys the law, also between the contact points and for stiff foundations.
 
-    Raises ProblemError for solutions of discretisations with added forms, whose forces are no function on facets and elements.
+    Raises ProblemError for solutions of discretisations with springs, or with added forms, whose forces are no function on
+    facets and elements.
 
     >>> from ngdgc import *
     >>> from ngdgc.exact import SmoothSlip
@@ -52,6 +53,9 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     """
     CheckSolution(solution)
     disc = solution.disc
+    if disc.problem.spring:
+        raise ProblemError("the problem has springs, whose share in the energy norm no estimate here knows; "
+                           "take EstimateForce, or hold the body with dirichlet or roller")
     if disc.added:
         raise ProblemError("the solution has added forms, whose forces are no tractions on facets that could be compared; "
                            "estimate errors without them: write springs and loads as foundation, traction and bodyforce")
@@ -102,7 +106,7 @@ class _Residuals:
     def Tractions(self) -> Array:
         problem, facets = self.problem, self.disc.facets
         outer, rollers = facets.neighbours == 1, self._On(problem.roller)
-        given = self._On(problem.traction)
+        given = self._On([*problem.traction, *problem.force])
         contact = self._On([foundation.boundary for foundation in problem.foundation])
         roller = facets.Function(rollers)
 
@@ -118,8 +122,8 @@ class _Residuals:
             total = self._BetweenElements(lambda *side: self._Traction((self.stress - other) * self.n / 2, *side))
             free = outer & ~contact & ~given & ~self._On(problem.dirichlet)
             total += self._OnSides(self._Traction(Free(self.stress * self.n), *self.own), free)
-        for region in problem.traction:
-            traction = self.stress * self.n - OnFacets(problem, "traction", region, self.mesh)
+        for (kind, region), value in self.disc.tractions.items():
+            traction = self.stress * self.n - ForFacets(value, kind, region, self.mesh)
             total += self._OnBoundary(self._Traction(Free(traction), *self.own), region)
         return total
 

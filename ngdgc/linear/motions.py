@@ -42,9 +42,9 @@ def ProjectedMotions(space: FESpace, centre: Array) -> Array:
 def FreeMotions(disc: Any) -> Array:
     """Coefficients (m, ndof) of a basis of the rigid motions that A does not resist, of a body of one part.
 
-    With several parts or forms that were added there is none: (0, ndof).
+    With several parts, springs or forms that were added there is none: (0, ndof).
     """
-    if disc.added.matrix is not None or disc.facets.component.max() > 0:
+    if disc.addedmatrix is not None or disc.facets.component.max() > 0:
         return np.empty((0, disc.space.ndof))
     centre = disc.mesh.ngmesh.Coordinates()[:, :disc.mesh.dim].mean(axis=0)
     motions = ProjectedMotions(disc.space, centre)

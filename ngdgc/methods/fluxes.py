@@ -9,18 +9,19 @@ from ngsolve import GridFunction, LinearForm, ds
 
 from ..blocks.operators import FacetOperators
 from ..contracts import Array
-from ..data.coefficients import LOADBONUS, OnFacets
+from ..data.coefficients import LOADBONUS, ForFacets, SpringPull
 from ..exceptions import ProblemError
 
 
 def Flux(solution: Any) -> GridFunction:
     """sigma_hat n of a solution, a GridFunction with d components in F_h [stress].
 
-    On E0 the flux of the method, on Gamma_F the traction f_2, on Gamma_C the traction -t of the foundation on the body, each
-    as its L2 projection on F_h.  On the boundary n is outward, on a named boundary inside the body that of the side which
-    `interfaces.Interfaces` tells, on other facets outward of the element with the smaller number.  With `facets.orientation`,
-    which is 1 in the element whose normal it is and -1 in the other, the traction on element K is orientation * sigma_hat n;
-    its integral over the boundary of K and that of the body force over K cancel, which is (3.10) tested with rigid motions.
+    On E0 the flux of the method, on Gamma_F the traction f_2 and that of springs, -k u_h, on Gamma_C the traction -t of the
+    foundation on the body, each as its L2 projection on F_h.  On the boundary n is outward, on a named boundary inside the body
+    that of the side which `interfaces.Interfaces` tells, on other facets outward of the element with the smaller number.  With
+    `facets.orientation`, which is 1 in the element whose normal it is and -1 in the other, the traction on element K is
+    orientation * sigma_hat n; its integral over the boundary of K and that of the body force over K cancel, which is (3.10)
+    tested with rigid motions.
     Forces of forms that were added are not in it.
 
     Raises ProblemError for the conforming method, which has no numerical flux.
@@ -41,11 +42,11 @@ def Flux(solution: Any) -> GridFunction:
     function = form.FluxFunction(solution.gfu)
     values, operators = function.vec.FV().NumPy(), form.operators
     mu = operators.facetspace.TestFunction()
-    for region in disc.problem.traction:
-        boundary = disc.mesh.Boundaries(region)
-        measure = ds(skeleton=True, definedon=boundary, bonus_intorder=LOADBONUS)
-        integral = OnFacets(disc.problem, "traction", region, disc.mesh) * mu * measure
-        moments = LinearForm(integral).Assemble().vec.FV().NumPy()
+    given = [(region, ForFacets(value, kind, region, disc.mesh)) for (kind, region), value in disc.tractions.items()]
+    given += [(region, -SpringPull(disc.problem, region, solution.gfu, disc.mesh)) for region in disc.problem.spring]
+    for region, traction in given:
+        measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
+        moments = LinearForm(traction * mu * measure).Assemble().vec.FV().NumPy()
         for patch in operators.FacetPatches(disc.facets.On(region), weak=False):
             dofs = operators.FacetDofs(patch.facets)
             values[dofs] += operators.Apply(operators.inversemass(patch.sides[0]), moments[dofs][..., None])[..., 0]

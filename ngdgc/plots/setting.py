@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,13 @@ from ngsolve import VOL
 from scipy.spatial import cKDTree
 
 from ..contracts import Array
-from ..data.coefficients import ValuesAt, VectorsAt
+from ..data.coefficients import EntriesAt, ValuesAt, VectorsAt
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import BLUE, GREEN, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
+from .canvas import BLUE, GREEN, PURPLE, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
 from .curves import Curve, Curves, ElementOutlines, FoundationCurves, Left, Literal, OutlinePoints, SplitByElement
 from .settingsolid import SettingSurface
 from .words import Prescribed, Span
@@ -31,9 +32,9 @@ ARROW = 0.12        # length of the longest arrow, relative to the body
 def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None) -> Figure:
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 
-    Clamped boundaries are hatched, rollers stand on circles, foundations are red blocks, tractions are arrows of a length
-    proportional to |f_2| that end or begin at the boundary.  In 3D the surface of the body, coloured by what acts on it, with
-    the values, and arrows of tractions and prescribed displacements.
+    Clamped boundaries are hatched, rollers stand on circles, springs are zigzags, foundations are red blocks; tractions, and
+    forces over their areas, are arrows of a length proportional to |f_2| that end or begin at the boundary.  In 3D the surface
+    of the body, coloured by what acts on it, with the values, and arrows of tractions and prescribed displacements.
 
     view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
     """
@@ -51,7 +52,8 @@ def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None)
              for name, found in zip(mesh.GetBoundaries(), mesh.Boundaries(region).Mask()) if found}
     symbols = _Symbols(axes, disc)
     draw: dict[str | None, Callable[..., tuple[str, float]]] = {
-        "dirichlet": symbols.Clamped, "roller": symbols.Roller, "traction": symbols.Traction,
+        "dirichlet": symbols.Clamped, "roller": symbols.Roller, "traction": partial(symbols.Traction, "traction"),
+        "force": partial(symbols.Traction, "force"), "spring": symbols.Spring,
         "foundation": symbols.Contact, None: symbols.Free}
     for name in dict.fromkeys(mesh.GetBoundaries()):
         kind, region = roles.get(name, (None, None))
@@ -91,8 +93,8 @@ class _Symbols:
     def __init__(self, axes: Any, disc: DiscreteProblem) -> None:
         self.axes, self.disc, self.problem = axes, disc, disc.problem
         self.size = np.ptp(OutlinePoints(disc), axis=0).max()
-        largest = max((np.linalg.norm(VectorsAt(value, curve.points, "traction", curve.region), axis=1).max()
-                       for region, value in self.problem.traction.items() for curve in Curves(disc, region)), default=0)
+        largest = max((np.linalg.norm(VectorsAt(value, curve.points, kind, curve.region), axis=1).max()
+                       for (kind, region), value in disc.tractions.items() for curve in Curves(disc, region)), default=0)
         self.arrow = ARROW * self.size / (largest or 1)     # length of arrow per traction
 
     def _Line(self, curves: Sequence[Curve], colour: str, width: float) -> None:
@@ -125,16 +127,28 @@ class _Symbols:
         value = _Values(ValuesAt, self.problem.roller[region], curves, "roller")
         return Prescribed("roller", value), 3 * radius
 
-    def Traction(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
+    def Traction(self, kind: str, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, BLUE, 2)
         clear = 0.015 * self.size
         for curve in curves:
-            traction = VectorsAt(self.problem.traction[region], curve.points, "traction", curve.region)
+            traction = VectorsAt(self.disc.tractions[kind, region], curve.points, kind, curve.region)
             x, n, f = curve.Spaced(ARROW * self.size, self.arrow * traction)
             inward = np.sum(f * n, axis=1) < 0
             self._Arrows(x + 0.015 * self.size * n - np.where(inward[:, None], f, 0), f, BLUE)
             clear = max(clear, np.abs(np.sum(f * n, axis=1)).max() + 0.015 * self.size)
-        return Prescribed("traction", _Values(VectorsAt, self.problem.traction[region], curves, "traction")), clear
+        return Prescribed(kind, _Values(VectorsAt, getattr(self.problem, kind)[region], curves, kind)), clear
+
+    def Spring(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
+        self._Line(curves, PURPLE, 2)
+        length = 0.05 * self.size
+        zigzag = np.array([[0, 0], [1, 0], [1.5, 1], [2.5, -1], [3.5, 1], [4.5, -1], [5, 0], [6, 0]]) / 6
+        for curve in curves:
+            x, n = curve.Spaced(1.2 * length)
+            coils = length * (zigzag[:, :1] * n[:, None] + 0.8 * zigzag[:, 1:] * Left(n)[:, None])
+            ends = length * (n[:, None] + 0.3 * np.array([[-1], [1]]) * Left(n)[:, None])
+            for lines, colour, gid in ((coils, PURPLE, "springs"), (ends, "black", "ground")):
+                self.axes.add_collection(LineCollection([*(x[:, None] + lines)], colors=colour, linewidths=1, gid=gid))
+        return Prescribed("spring", _Values(EntriesAt, self.problem.spring[region], curves, "spring")), length
 
     def Contact(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, "black", 3)

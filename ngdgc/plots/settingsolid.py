@@ -10,16 +10,17 @@ from matplotlib.figure import Figure
 from ngsolve import QUAD, TRIG, IntegrationRule
 
 from ..contracts import Array
-from ..data.coefficients import ValuesAt, VectorsAt
+from ..data.coefficients import EntriesAt, ValuesAt, VectorsAt
 from ..discrete.problem import DiscreteProblem
 from ..mesh.facets import VolumePoints
-from .canvas import BLUE, GREEN, RED, VERMILION
+from .canvas import BLUE, GREEN, PURPLE, RED, VERMILION
 from .curves import Literal
 from .regions import SurfaceFaces
 from .surface import BODY, VIEWS, Surface, Towards
 from .words import Prescribed, Span
 
-KINDS = {"dirichlet": "#888888", "roller": GREEN, "traction": BLUE, "foundation": RED, "free": BODY}
+KINDS = {"dirichlet": "#888888", "roller": GREEN, "traction": BLUE, "force": BLUE, "spring": PURPLE, "foundation": RED,
+         "free": BODY}
 ARROW = 0.2         # length of the longest arrow, relative to the body
 FEW = 12            # arrows of a side, about
 MIDDLES = {TRIG: IntegrationRule([(1 / 3, 1 / 3)], [0.5]), QUAD: IntegrationRule([(0.5, 0.5)], [1.0])}
@@ -39,9 +40,9 @@ def SettingSurface(disc: DiscreteProblem, view: Sequence[float] | None) -> Figur
     kinds = [roles.get(name, ("free",))[0] for name in surface.regions.tolist()]
     present = {kind: colour for kind, colour in KINDS.items() if kind in kinds}
     arrows = []
-    for kind, colour in (("traction", "#003B5C"), ("dirichlet", "black")):
-        arrows += _Arrows(surface, [_Values(disc, MIDDLES, name, *roles[name]) for name in shown
-                                    if name in roles and roles[name][0] == kind], colour)
+    for drawn, colour in ((("traction", "force"), "#003B5C"), (("dirichlet",), "black")):
+        arrows += _Arrows(surface, [_Values(disc, MIDDLES, name, *roles[name], spread=True) for name in shown
+                                    if name in roles and roles[name][0] in drawn], colour)
     title = "setting"
     if problem.bodyforce is not None:
         forces = VectorsAt(problem.bodyforce, VolumePoints(mesh, disc.order), "bodyforce")
@@ -51,15 +52,15 @@ def SettingSurface(disc: DiscreteProblem, view: Sequence[float] | None) -> Figur
                    arrows=arrows)
 
 
-def _Values(disc: DiscreteProblem, rules: Any, name: str, kind: str, region: str) -> tuple[Any, Array]:
-    """(boundary elements of a name, what is prescribed there, (n,) or (n, d)) at points of rules."""
+def _Values(disc: DiscreteProblem, rules: Any, name: str, kind: str, region: str, *, spread: bool = False) -> tuple[Any, Array]:
+    """(boundary elements of a name, values there, (n,) or (n, d)) at points of rules; forces as totals, or `spread`."""
     problem, boundary = disc.problem, disc.mesh.Boundaries(Literal(name))
     points = disc.mesh.MapToAllElements(rules, boundary)
     if kind == "foundation":
         gap = next(foundation.gap for foundation in problem.foundation if foundation.boundary == region)
         return points["nr"], ValuesAt(gap, points, "gap", boundary)
-    at: Any = ValuesAt if kind == "roller" else VectorsAt
-    return points["nr"], at(getattr(problem, kind)[region], points, kind, boundary)
+    value = disc.tractions[kind, region] if spread and kind == "force" else getattr(problem, kind)[region]
+    return points["nr"], EntriesAt(value, points, kind, boundary)
 
 
 def _Arrows(surface: SurfaceFaces, values: list[tuple[Any, Array]], colour: str) -> list[tuple[Array, Array, Array, str]]:

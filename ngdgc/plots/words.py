@@ -26,4 +26,8 @@ def Prescribed(kind: str, values: Array) -> str:
         return f"prescribed\n{Span('u', values)}" if np.any(values) else "clamped"
     if kind == "roller":
         return f"roller\n{Span('$u_n$', values)}" if np.any(values) else "roller"
+    if kind == "spring":
+        return f"springs\n{Span('k', values)}"
+    if kind == "force":
+        return f"force\n{Span('F', values)}"
     return f"traction\n{Span('$f_2$', values)}" if kind == "traction" else f"foundation\n{Span('g', values)}"

@@ -8,12 +8,13 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 from ..contracts import Datum, VectorDatum
-from ..data.coefficients import Scalar, Vector
+from ..data.coefficients import Scalar, ScalarOrVector, Vector
 from ..data.regions import RegionName
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
 from ..tools.formula import Described
 from ..tools.units import CheckUnits
+from ..tools.values import IsNumber
 from .foundation import Foundation
 from .materials import AnisotropicMaterial, HookeMaterial
 
@@ -30,6 +31,9 @@ class ContactProblem:
     dirichlet : {region: vector}, displacement u = u_D [length] on all components
     roller : {region: scalar}, normal displacement u_n [length]; the tangential traction is zero there
     traction : {region: vector}, sigma n = f_2 [stress]
+    force : {region: vector}, the total on a region [stress length^(d-1)], spread evenly as a traction over its area in the mesh
+    spring : {region: scalar or vector}, stiffness k >= 0 of springs along a region [stress/length], sigma n = -k u, in every
+        component; a traction or a force may act there too
     bodyforce : vector f_1 [stress/length] or None
     units : (length, stress) of all data, such as ("mm", "MPa"), for the words of figures and reports; nothing is converted
 
@@ -52,6 +56,8 @@ class ContactProblem:
     roller: Any = None
     traction: Any = None
     bodyforce: Any = None
+    force: Any = None
+    spring: Any = None
     units: Any = None
     __repr__ = Described
 
@@ -59,6 +65,8 @@ class ContactProblem:
         def __init__(self, material: HookeMaterial | AnisotropicMaterial, foundation: Foundation | Sequence[Foundation],
                      dirichlet: Mapping[str, VectorDatum] | None = None, roller: Mapping[str, Datum] | None = None,
                      traction: Mapping[str, VectorDatum] | None = None, bodyforce: VectorDatum | None = None,
+                     force: Mapping[str, VectorDatum] | None = None,
+                     spring: Mapping[str, Datum | VectorDatum] | None = None,
                      units: tuple[str, str] | None = None) -> None: ...
 
     def __post_init__(self) -> None:
@@ -70,7 +78,8 @@ class ContactProblem:
             raise ProblemError(f"foundation is {self.foundation!r}; give a Foundation or several, "
                                "a contact problem has at least one")
         object.__setattr__(self, "foundation", foundations)
-        for name, convert in (("dirichlet", Vector), ("roller", Scalar), ("traction", Vector)):
+        for name, convert in (("dirichlet", Vector), ("roller", Scalar), ("traction", Vector), ("force", Vector),
+                              ("spring", ScalarOrVector)):
             object.__setattr__(self, name, _Regions(getattr(self, name), name, convert))
         if self.bodyforce is not None:
             object.__setattr__(self, "bodyforce", Vector(self.bodyforce, "bodyforce"))
@@ -81,12 +90,15 @@ class ContactProblem:
 
     def __reduce__(self) -> tuple[Any, ...]:
         # Mapping proxies are not pickled.
-        data = (self.dirichlet, self.roller, self.traction)
-        return type(self), (self.material, self.foundation, *map(dict, data), self.bodyforce, self.units)
+        loads = (self.dirichlet, self.roller, self.traction)
+        return type(self), (self.material, self.foundation, *map(dict, loads), self.bodyforce, dict(self.force),
+                            dict(self.spring), self.units)
 
     def _Dimensions(self) -> Iterator[tuple[str, int]]:
-        for name in ("dirichlet", "traction"):
+        for name in ("dirichlet", "traction", "force", "spring"):
             for region, value in getattr(self, name).items():
+                if name == "spring" and (IsNumber(value) or value.dim == 1):
+                    continue
                 yield f"{name}[{region!r}]", value.dim
         if self.bodyforce is not None:
             yield "bodyforce", self.bodyforce.dim
@@ -108,7 +120,7 @@ class ContactProblem:
 
     def Regions(self) -> Iterator[tuple[str, str]]:
         """(kind, region) of every boundary region that is named, in the order of the arguments."""
-        for kind in ("dirichlet", "roller", "traction"):
+        for kind in ("dirichlet", "roller", "traction", "force", "spring"):
             for region in getattr(self, kind):
                 yield kind, region
         for foundation in self.foundation:

@@ -25,7 +25,8 @@ from ngsolve import VOL, BilinearForm, ElementId, GridFunction, InnerProduct, ds
 
 from ..contact.boundary import TraceMatrix
 from ..contracts import Array
-from ..data.coefficients import LOADBONUS, OnFacets, Unfolded
+from ..data.coefficients import LOADBONUS, ForFacets, SpringPull, Unfolded
+from ..discrete.springs import Springs
 from ..mesh.facets import Free, Threads
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
 from ..methods.symbolform import Coefficients
@@ -65,9 +66,10 @@ def _Given(solution: Any, space: Any) -> Array:
     """Moments (functions, d) of the tractions f_2 and of the numerical fluxes of rollers."""
     disc, mu = solution.disc, space.TestFunction()
     integrals = [part.Flux(solution.gfu) * mu * part.measure for part in disc.form.parts]
-    integrals += [OnFacets(disc.problem, "traction", region, disc.mesh) * mu
-                  * ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-                  for region in disc.problem.traction]
+    given = [(region, ForFacets(value, kind, region, disc.mesh)) for (kind, region), value in disc.tractions.items()]
+    given += [(region, -SpringPull(disc.problem, region, solution.gfu, disc.mesh)) for region in disc.problem.spring]
+    integrals += [traction * mu * ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
+                  for region, traction in given]
     moments = sum((Coefficients(integral) for integral in integrals), np.zeros(space.ndof))
     return moments.reshape(disc.mesh.dim, -1).T
 
@@ -107,11 +109,13 @@ def _Residual(solution: Any, space: Any) -> Array:
     """R(v) for the functions of the broken space, (ndof,)."""
     disc, v, form = solution.disc, space.TestFunction(), solution.disc.form
     residual = _Elastic(solution, space)
+    for matrix in Springs(disc.problem, space).values():
+        residual += matrix @ _Broken(solution, space).vec.FV().NumPy()
     if disc.problem.bodyforce is not None:
         residual -= Coefficients(Unfolded(disc.problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
-    for region in disc.problem.traction:
+    for (kind, region), value in disc.tractions.items():
         measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-        residual -= Coefficients(OnFacets(disc.problem, "traction", region, disc.mesh) * v * measure)
+        residual -= Coefficients(ForFacets(value, kind, region, disc.mesh) * v * measure)
     for part in form.parts:
         residual -= Coefficients(part.Flux(solution.gfu) * v * part.measure)
         residual -= form.theta * Coefficients((part.Jump(solution.gfu) - part.value) * part.Mean(v) * part.measure)
@@ -121,13 +125,19 @@ def _Residual(solution: Any, space: Any) -> Array:
     return residual
 
 
-def _Elastic(solution: Any, space: Any) -> Array:
-    """int C eps(u_h):eps(v), (ndof,), by the quadrature of the matrix: that of a linear form is another on curved elements."""
-    disc, (u, v), displacement = solution.disc, space.TnT(), GridFunction(space)
+def _Broken(solution: Any, space: Any) -> GridFunction:
+    """u_h in the broken space."""
+    disc, displacement = solution.disc, GridFunction(space)
     # Not by NGSolve's Set, whose heap large hexahedra overflow.
     values = displacement.vec.FV().NumPy()
     for element in map(partial(ElementId, VOL), range(disc.mesh.ne)):
         values[list(space.GetDofNrs(element))] = solution.vector[list(disc.space.GetDofNrs(element))]
+    return displacement
+
+
+def _Elastic(solution: Any, space: Any) -> Array:
+    """int C eps(u_h):eps(v), (ndof,), by the quadrature of the matrix: that of a linear form is another on curved elements."""
+    disc, (u, v), displacement = solution.disc, space.TnT(), _Broken(solution, space)
     form = BilinearForm(InnerProduct(disc.problem.material.Stress(Strain(u)), Strain(v)) * disc.form.volume)
     product = displacement.vec.CreateVector()
     with Threads(disc.mesh):

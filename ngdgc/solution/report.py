@@ -17,7 +17,8 @@ LINE = 78
 SCHEMA = {
     "ngdgc": "version", "ngsolve": "version", "case": "name of the case that was run, or null",
     "method": "name", "options": "the method as it is written in Python", "material": "as written", "foundations": "as written",
-    "dirichlet": "of each region, as written", "roller": "the same", "traction": "the same", "bodyforce": "as written, or null",
+    "dirichlet": "of each region, as written", "roller": "the same", "traction": "the same", "force": "the same",
+    "spring": "the same", "bodyforce": "as written, or null",
     "units": "of length and stress, or null",
     "order": "polynomial degree", "dimension": "2 or 3", "elements": "number", "dofs": "number of unknowns",
     "contact_points": "number",
@@ -111,7 +112,7 @@ def _Quantities(solution: Any) -> dict[str, Any] | None:
 def _Data(problem: ContactProblem) -> dict[str, Any]:
     """Supports and loads as they are written, those too of which there are none."""
     data = {name: {region: Formula(value) for region, value in getattr(problem, name).items()}
-            for name in ("dirichlet", "roller", "traction")}
+            for name in ("dirichlet", "roller", "traction", "force", "spring")}
     return {**data, "bodyforce": problem.bodyforce and Formula(problem.bodyforce)}
 
 

@@ -24,6 +24,7 @@ from .conformingtractions import AddedForce
 
 
 NEGLIGIBLE = 1e-7   # part of |diag(A) u| that is above its round-off
+LOADS = ("traction", "force", "bodyforce")
 BALANCE = 1e-6      # `EquilibriumResidual` of a converged solution at most; round-off is far below
 
 
@@ -32,7 +33,7 @@ BALANCE = 1e-6      # `EquilibriumResidual` of a converged solution at most; rou
 class Resultant:
     """Force on the body (d,) [stress length^(d-1)] and its moment about the origin (1,) in 2D or (3,) [stress length^d].
 
-    kind : "dirichlet", "roller", "traction", "foundation", "bodyforce", or "added" for the user's own forms
+    kind : "dirichlet", "roller", "traction", "force", "spring", "foundation", "bodyforce", or "added" for the user's own forms
     integrated : (force, moment) of int C eps(u_h) n over the region where it differs from the reported value, the strongly
         imposed displacements of H1; None elsewhere
     """
@@ -64,7 +65,9 @@ def Resultants(solution: Any) -> list[Resultant]:
     found += [Resultant("roller" if region in disc.problem.roller else "dirichlet", region, *Split(basis @ flux))
               for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
     found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
-              if kind in ("traction", "bodyforce")]
+              if kind in LOADS]
+    found += [Resultant("spring", region, *Split(-(basis @ (matrix @ solution.vector))))
+              for region, matrix in disc.springs.items()]
     if disc.added:
         found.append(Resultant("added", None, *Split(basis @ AddedForce(solution))))
     contact = disc.contact
@@ -132,12 +135,13 @@ def ElementImbalance(solution: Any) -> Array:
     """Force and moment that the numerical fluxes leave unbalanced on each element, (elements, modes), DG only.
 
     On element K: int_dK sigma_hat n_K.r + int_K f_1.r for the rigid motions r, with sigma_hat the numerical flux between
-    elements and on Gamma_D, f_2 on Gamma_F and -t on Gamma_C; relative to the largest contribution of any element or to
-    `ElasticForce`.
+    elements and on Gamma_D, f_2 on Gamma_F, -k u_h on springs and -t on Gamma_C; relative to the largest contribution of any
+    element or to `ElasticForce`.
     """
     disc = solution.disc
     contributions = [*disc.form.Fluxes(solution.gfu).values()]
-    contributions += [load for (kind, _), load in disc.loads.items() if kind in ("traction", "bodyforce")]
+    contributions += [load for (kind, _), load in disc.loads.items() if kind in LOADS]
+    contributions += [-(matrix @ solution.vector) for matrix in disc.springs.values()]
     contributions += [-disc.contact.Load(solution.traction), AddedForce(solution)]
     basis = RigidBasis(disc.space)
     owner = np.empty(disc.space.ndof, dtype=int)

@@ -8,7 +8,7 @@ import numpy as np
 from ngsolve import CF, CoefficientFunction, GridFunction, Id, InnerProduct, Integrate, Parameter, ds, dx, specialcf
 
 from ..contracts import Array, Coefficient
-from ..data.coefficients import OnFacets, Unfolded
+from ..data.coefficients import ForFacets, SpringPull, Unfolded
 from ..data.inside import FromInside
 from ..discretization import Discretization
 from ..errors import EXTRA
@@ -54,7 +54,7 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
 
         int C eps(u):eps_h(v) - <v+ - v-, {C eps(u)} n>        edge form,    in the lifting form with P_Q C eps(u),
 
-    minus the body force, tractions, and sigma(u) n on Gamma_C.
+    minus the body force, tractions of loads and springs, and sigma(u) n on Gamma_C.
     """
     problem, mesh, n = disc.problem, disc.mesh, specialcf.normal(disc.mesh.dim)
     strain = _ExactStrain(disc, displacement)
@@ -67,8 +67,10 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     residual = Coefficients(InnerProduct(stress, Strain(v)) * dx(bonus_intorder=EXTRA))
     if problem.bodyforce is not None:
         residual -= Coefficients(Unfolded(problem.bodyforce) * v * dx(bonus_intorder=EXTRA))
-    for region in problem.traction:
-        residual -= Coefficients(OnFacets(problem, "traction", region, mesh) * v * On(region))
+    for (kind, region), value in disc.tractions.items():
+        residual -= Coefficients(ForFacets(value, kind, region, mesh) * v * On(region))
+    for region in problem.spring:
+        residual += Coefficients(SpringPull(problem, region, displacement, mesh) * v * On(region))
     for foundation in problem.foundation:
         residual -= Coefficients((stress * n) * v * On(foundation.boundary))
     if not disc.form.consistent:

@@ -86,6 +86,8 @@ ESTIMATES = [
      "method H1 has no numerical flux | balances | take a discontinuous one"),
     (lambda _: EstimateError(Solve(Disc(Giving()))), "method IP has a form of its own | FacetForm | as all methods"),
     (lambda _: EstimateError(_Pyramids()), "the mesh has pyramids | no equilibrated stress | take another mesh"),
+    (lambda _: EstimateError(Solve(Disc(spring={"top": 3}))), "the problem has springs | the energy norm | take EstimateForce"),
+    (lambda _: ResidualEstimate(Solve(Disc(spring={"top": 3}))), "problem has springs | the energy norm | take EstimateForce"),
     (lambda _: EstimateError(Sprung()), "forms were added | the numerical flux | without them"),
     (lambda _: EstimateForce(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),
     (lambda _: EstimateForce(_Unconverged()), "the solution has not converged | of its iteration | give one that has"),

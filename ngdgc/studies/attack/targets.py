@@ -30,9 +30,8 @@ from ...solution.solution import ContactSolution
 
 MODULES = ("ngdgc", "ngdgc.meshes", "ngdgc.exact", "ngdgc.traces", "ngdgc.errors", "ngdgc.plots", "ngdgc.export",
            "ngdgc.methods.variants", "ngdgc.theory.lemmas", "ngdgc.theory.consistency")
-# Pictures of studies, and what a figure is made of: they take what the studies return.
-STUDIES = ("AtlasFigure", "GrowthFigure", "ConvergenceFigure", "AccuracyFigure", "LockingFigure", "SweepFigure",
-           "LiftingBounds")
+# They take what the studies return.
+STUDIES = "AtlasFigure", "GrowthFigure", "ConvergenceFigure", "AccuracyFigure", "LockingFigure", "SweepFigure", "LiftingBounds"
 # What solvers and discretisations call of each other, with arguments of their own making.
 CONTRACTS = ("Space", "ScalarSpace", "Form", "MakeInverse", "Factorise", "ApplyInverse", "Iterate", "CheckData", "Current")
 
@@ -194,8 +193,8 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "foundation": lambda s: s.Choose(s.foundation, [s.foundation]),
     "FromTraces.foundation": lambda s: Foundation("bottom", NormalCompliance(100)),
     "dirichlet": lambda s: {"top": s.Vector(0.05)},
-    "roller": lambda s: {"right": 0},
-    "traction": lambda s: {"left": s.Vector(0.1)},
+    "roller": lambda s: {"right": 0}, "spring": lambda s: {"left": s.Choose(5, (5,) * s.dim)},
+    "traction": lambda s: {"left": s.Vector(0.1)}, "force": lambda s: {"right": (0.1,) * s.dim},
     "bodyforce": lambda s: s.Vector(0.1),
     "r": lambda s: s.Points(1),
     "p": lambda s: abs(s.Points(1)),
@@ -250,6 +249,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "most": lambda s: 3000,
     "goals": lambda s: (),
     "normal": lambda s: s.Choose("explicit", "implicit"),
+    "Foundation.normal": lambda s: (0,) * (s.dim - 1) + (-1,),
     "acceleration": lambda s: s.Choose(None, "anderson"),
     "coarser": lambda s: s.Choose(None, (), [UnitMesh(1, s.cells)]),
     "callback": lambda s: s.Choose(repr, Interrupt) if s.rng.random() < 0.1 else None,

@@ -30,7 +30,8 @@ def ErrorFigure(solution: ContactSolution, *, estimate: ErrorEstimate | None = N
 
     estimate : of the solution, by default `EstimateError(solution)`
 
-    Where all elements have the same colour the mesh suits the problem.  In 3D the elements at the surface, seen from below.
+    Where all elements have the same colour the mesh suits the problem.  In 3D the elements at the surface, from below and
+    beside it from above.
     """
     CheckSolution(solution)
     disc, estimate = solution.disc, EstimateError(solution) if estimate is None else estimate
@@ -53,7 +54,7 @@ def ErrorFigure(solution: ContactSolution, *, estimate: ErrorEstimate | None = N
         behind = disc.facets.incidence.indices[disc.facets.incidence.indptr[facets]]
         faces = [points[corners[corners >= 0]] for corners in vertices]
         figure = Surface(faces, colours.to_rgba(shares[behind]), title, {})
-        figure.colorbar(colours, ax=figure.axes[0], label=label, shrink=0.7)
+        figure.colorbar(colours, ax=figure.axes, label=label, shrink=0.7)
         return figure
     figure, axes = PlaneAxes()
     outlines = ElementOutlines(disc)

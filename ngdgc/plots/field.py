@@ -145,7 +145,8 @@ def _Section(solution: ContactSolution, field: Field, limits: Array | None, cut:
     _Draw(figure, axes, patches.coordinates @ frame.T, patches, values, field, limits, len(patches.triangles))
     size = np.ptp(patches.coordinates, axis=0).max()
     for name, (pieces, normals) in SurfaceFaces(disc).Rims(origin, normal).items():
-        axes.add_collection(LineCollection([*(pieces @ frame.T)], colors="black", linewidths=1.2))
+        if disc.mesh.GetCurveOrder() == 1:      # straight pieces are no rim of curved elements
+            axes.add_collection(LineCollection([*(pieces @ frame.T)], colors="black", linewidths=1.2))
         middles = pieces.mean(axis=1)
         nearest = np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin()
         Label(axes, middles[nearest] @ frame.T, normals[nearest] @ frame.T, 0.03 * size, name)

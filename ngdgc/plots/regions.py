@@ -16,7 +16,7 @@ class SurfaceFaces:
     """The straight faces of the boundary of a solid.
 
     numbers : of the boundary elements (n,);  regions : their names (n,);  corners : n arrays (vertices, 3)
-    middles : (n, 3);  normals : outward (n, 3)
+    middles : (n, 3);  normals : outward (n, 3);  areas : of the triangles of three corners, doubled (n,)
     """
 
     def __init__(self, disc: DiscreteProblem) -> None:
@@ -31,18 +31,20 @@ class SurfaceFaces:
         centres = np.array([points[row[row >= 0]].mean(axis=0) for row in inside])
         normals = np.array([np.cross(face[1] - face[0], face[2] - face[0]) for face in self.corners])
         normals *= np.sign(np.sum(normals * (self.middles - centres), axis=1))[:, None]
-        self.normals = normals / np.linalg.norm(normals, axis=1)[:, None]
+        self.areas = np.linalg.norm(normals, axis=1)
+        self.normals = normals / self.areas[:, None]
         self.size = float(np.ptp(points, axis=0).max())
 
     def Places(self, towards: Array) -> dict[str, tuple[Array, Array]]:
         """{region: (place on it, outward normal there)} of what is seen by an eye in a direction (3,).
 
-        The place is the middle of a face, of that nearest to the middle of all its faces that are turned to the eye.
+        The place is the middle of a face, of that nearest to the centre of all its faces that are turned to the eye.
         """
         places, turned = {}, self.normals @ towards > SEEN
         for name in dict.fromkeys(self.regions[turned].tolist()):
             mine = np.flatnonzero(turned & (self.regions == name))
-            nearest = mine[np.linalg.norm(self.middles[mine] - self.middles[mine].mean(axis=0), axis=1).argmin()]
+            centre = np.average(self.middles[mine], axis=0, weights=self.areas[mine])
+            nearest = mine[np.linalg.norm(self.middles[mine] - centre, axis=1).argmin()]
             places[name] = self.middles[nearest], self.normals[nearest]
         return places
 

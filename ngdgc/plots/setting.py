@@ -83,7 +83,8 @@ def _DrawMaterials(axes: Any, disc: DiscreteProblem) -> None:
     for index, name in enumerate(names):
         if len(names) > 1 and np.any(number == index):
             mine = centres[number == index]
-            axes.text(*mine[cKDTree(OutlinePoints(disc)).query(mine)[0].argmax()], name, ha="center", va="center",
+            beyond = cKDTree(np.concatenate([OutlinePoints(disc), centres[number != index]]))
+            axes.text(*mine[beyond.query(mine)[0].argmax()], name, ha="center", va="center",
                       fontsize=9, style="italic")
 
 

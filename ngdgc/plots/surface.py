@@ -10,6 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
+from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from ..contact.graph import ZONES
@@ -17,7 +18,7 @@ from ..contracts import Array
 from ..mesh.facets import BoundaryFunction
 from ..solution.solution import ContactSolution
 from ..tools.values import Vectors
-from .canvas import ZONE_COLOURS, Unconverged
+from .canvas import APART, ZONE_COLOURS, Unconverged
 from .regions import SEEN, SurfaceFaces
 
 VIEWS = ((-25, -60), (25, 120))     # elevation and azimuth [degrees]: between them all six sides of a box are seen
@@ -50,6 +51,9 @@ def Surface(faces: Any, colours: Any, title: str, legend: Mapping[str, str], *, 
     if legend:
         figure.legend(handles=[Patch(facecolor=colour, label=label) for label, colour in legend.items()],
                       loc="outside lower center", ncols=len(legend), frameon=False)
+    figure.draw_without_rendering()     # which places the axes
+    for axes in figure.axes:
+        _Part(axes)
     return figure
 
 
@@ -82,6 +86,22 @@ def _Write(axes: Any, regions: SurfaceFaces, words: Mapping[str, str], towards: 
     for name, (place, normal) in regions.Places(towards).items():
         axes.text(*(place + 0.05 * regions.size * (normal + towards)), words.get(name, name), ha="center", va="center",
                   fontsize=9, zorder=100, bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 1})
+
+
+def _Part(axes: Any) -> None:
+    """Move texts up or down in the picture until they lie on no earlier one."""
+    up = np.array([0.0, 0, 1]) - np.sin(np.radians(axes.elev)) * Towards((axes.elev, axes.azim))
+    up /= np.linalg.norm(up)
+    ends = [axes.transData.transform(proj3d.proj_transform(*point, axes.get_proj())[:2]) for point in (np.zeros(3), up)]
+    pixels = ends[1][1] - ends[0][1]
+    for number, text in enumerate(axes.texts):
+        for _ in range(number):     # away from one it may get onto another
+            own = text.get_window_extent()
+            taken = next((other.get_window_extent().padded(APART) for other in axes.texts[:number]
+                          if own.overlaps(other.get_window_extent())), None)
+            if taken is not None:
+                rise, fall = taken.y1 - own.y0, taken.y0 - own.y1
+                text.set_position_3d(np.array(text.get_position_3d()) + min(rise, fall, key=abs) / pixels * up)
 
 
 def DeformedFaces(solution: ContactSolution, scale: float) -> tuple[list[Array], list[str], float]:

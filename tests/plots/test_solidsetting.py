@@ -6,7 +6,7 @@ from ngsolve import CF, x
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, Solve)
-from ngdgc.cases import example_4_1, example_4_2
+from ngdgc.cases import example_4_1, example_4_2, hertz_sphere, machine_part
 from ngdgc.export import Scene
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure
@@ -48,6 +48,19 @@ def test_arrows_show_on_which_side_a_load_acts(sign):
     assert np.allclose(near[onto][:, 2], 1, atol=0.02) and np.allclose(far[onto][:, 2], 1.2, atol=0.03)
     below, _ = Arrows(Setting(sign, view=(-60, -60)).axes[0])
     assert not np.any(np.all(np.abs(below[:, :2] - 0.5) < 0.49, axis=1))      # the top is not seen from below
+
+
+@pytest.mark.slow
+def test_words_lie_on_no_other_words():
+    """Of a ball whose spot of contact is a hundredth of it, and of a lug with small rings; a pair that does is seen."""
+    for case in (hertz_sphere, machine_part):
+        figure = SettingFigure(Discretization(case.Problem(), InteriorPenalty(), case.Mesh()))
+        figure.draw_without_rendering()
+        for axes in figure.axes:
+            boxes = [text.get_window_extent() for text in axes.texts]
+            assert len(boxes) > 2 and not any(a.overlaps(b) for number, a in enumerate(boxes) for b in boxes[:number])
+        axes.texts[0].set_position_3d(axes.texts[1].get_position_3d())
+        assert axes.texts[0].get_window_extent().overlaps(axes.texts[1].get_window_extent())
 
 
 def test_a_displacement_that_is_not_seen_is_enlarged():

@@ -116,10 +116,10 @@ def LabelAt(axes: Any, curve: Curve, distance: float, words: str) -> None:
     offsets = curve.coordinates - curve.coordinates.mean(axis=0)
     if curve.closed and np.sum(offsets * curve.normals) < 0:
         x, n = curve.coordinates.mean(axis=0), np.zeros(2)
-    Label(axes, x, n, distance, words)
+    LabelBeside(axes, x, n, distance, words)
 
 
-def Label(axes: Any, x: Array, n: Array, distance: float, words: str) -> None:
+def LabelBeside(axes: Any, x: Array, n: Array, distance: float, words: str) -> None:
     """Words at x + distance n/|n| that grow away from x; n = 0 puts them on x."""
     n = n / (np.linalg.norm(n) or 1)
     horizontal = "center" if abs(n[0]) < 0.5 else "left" if n[0] > 0 else "right"

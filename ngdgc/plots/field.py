@@ -19,9 +19,9 @@ from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from ..tools.values import Vectors
-from .canvas import Frame, Label, LabelAt, PlaneAxes, Unconverged
+from .canvas import Frame, LabelAt, LabelBeside, PlaneAxes, Unconverged
 from .curves import Curve, Curves, Literal, OutlinePoints
-from .patches import CutPatches, Patches, PlanePatches, SurfacePatches
+from .patches import CutPatches, ColourPatches, PlanePatches, SurfacePatches
 from .regions import SurfaceFaces
 from .solid import TangentFrame, TangentLabel
 from .surface import Surface
@@ -84,7 +84,7 @@ def _Title(solution: ContactSolution, field: Field, values: Array, where: str = 
             f"{field.symbol} {values.min():.4g} to {values.max():.4g}{where}")
 
 
-def _Draw(figure: Figure, axes: Any, at: Array, patches: Patches, values: Array, field: Field, limits: Array | None,
+def _Draw(figure: Figure, axes: Any, at: Array, patches: ColourPatches, values: Array, field: Field, limits: Array | None,
           elements: int) -> None:
     """Triangles over places (n, 2) in the plane, and the outlines of elements if these are not too many."""
     colours = _Colours(values, limits)
@@ -149,7 +149,7 @@ def _Section(solution: ContactSolution, field: Field, limits: Array | None, cut:
             axes.add_collection(LineCollection([*(pieces @ frame.T)], colors="black", linewidths=1.2))
         middles = pieces.mean(axis=1)
         nearest = np.linalg.norm(middles - middles.mean(axis=0), axis=1).argmin()
-        Label(axes, middles[nearest] @ frame.T, normals[nearest] @ frame.T, 0.03 * size, name)
+        LabelBeside(axes, middles[nearest] @ frame.T, normals[nearest] @ frame.T, 0.03 * size, name)
     where = f"\ncut through ({', '.join(f'{c:.4g}' for c in origin)}), normal ({', '.join(f'{c:.3g}' for c in normal)})"
     axes.set_title(_Title(solution, field, values, where), fontsize=10)
     return Frame(axes, TangentLabel(frame[0]), TangentLabel(frame[1]))

@@ -21,7 +21,7 @@ CUTS = {1: ((0, 1), (0, 2), (0, 3)), 2: ((0, 2), (0, 3), (1, 3), (1, 2)), 3: ((3
 ON = 1e-9           # distance of points that count as above a plane on which they lie, relative to the body
 
 
-class Patches:
+class ColourPatches:
     """Triangles over points in elements.
 
     points : NGSolve's mesh points (n,);  coordinates : (n, d);  triangles : numbers of points (m, 3)
@@ -33,23 +33,23 @@ class Patches:
         self.coordinates = np.asarray(Coordinates(mesh.dim)(points)).reshape(len(points), mesh.dim)
 
 
-def Parts(disc: DiscreteProblem, number: int, dim: int) -> int:
+def Divisions(disc: DiscreteProblem, number: int, dim: int) -> int:
     """Parts of an edge that show polynomials of the order of a solution, fewer where `number` faces would be too many."""
     wanted = 2 * max(disc.order, disc.mesh.GetCurveOrder())
     return int(np.clip(np.sqrt(MOST[dim] / max(number, 1)), 1, max(wanted, 2 if dim == 2 else 4)))
 
 
-def PlanePatches(disc: DiscreteProblem) -> Patches:
+def PlanePatches(disc: DiscreteProblem) -> ColourPatches:
     """All elements of a plane mesh."""
-    n = Parts(disc, disc.mesh.ne, 2)
+    n = Divisions(disc, disc.mesh.ne, 2)
     return _Joined(disc, [_Spread(elements, Corner(et), et, n) for et, elements in ByType(disc.facets.vertices, 2)])
 
 
-def SurfacePatches(disc: DiscreteProblem) -> tuple[Patches, Any]:
+def SurfacePatches(disc: DiscreteProblem) -> tuple[ColourPatches, Any]:
     """The sides of elements on the boundary of a solid, and the number of the facet of every triangle, (m,)."""
     facets = disc.facets
     outer = facets.neighbours[facets.ofelements] == 1
-    n, pieces, numbers = Parts(disc, int(outer.sum()), 3), [], []
+    n, pieces, numbers = Divisions(disc, int(outer.sum()), 3), [], []
     for et, elements in ByType(facets.vertices, 3):
         for side, corners in enumerate(SIDEVERTICES[et]):
             at = facets.starts[elements] + side
@@ -60,7 +60,7 @@ def SurfacePatches(disc: DiscreteProblem) -> tuple[Patches, Any]:
     return _Joined(disc, pieces), np.concatenate(numbers)
 
 
-def CutPatches(disc: DiscreteProblem, origin: Array, normal: Array) -> Patches:
+def CutPatches(disc: DiscreteProblem, origin: Array, normal: Array) -> ColourPatches:
     """Where a plane cuts the elements of a solid; no triangle where it does not meet the body.
 
     What lies in the plane counts to its positive side: of two elements that meet in it the one behind the plane is drawn.
@@ -125,7 +125,7 @@ def _Tetrahedra(et: ET, n: int) -> tuple[Array, Any]:
 
 def _Cut(disc: DiscreteProblem, et: ET, elements: Any, origin: Array, normal: Array, on: float) -> tuple[Any, Array, Any, Any]:
     """As `_Spread`, of the cuts through elements of one type."""
-    grid, tetrahedra = _Tetrahedra(et, Parts(disc, 2 * len(elements), 2))
+    grid, tetrahedra = _Tetrahedra(et, Divisions(disc, 2 * len(elements), 2))
     local = np.tile(grid, (len(elements), 1))
     owner = np.repeat(elements, len(grid))
     coordinates = np.asarray(Coordinates(3)(PointsIn(disc.mesh, owner, local))).reshape(-1, 3)
@@ -152,7 +152,7 @@ def _Sections(nodes: Any, below: Any) -> Iterator[Any]:
             yield corners[:, [0, last - 1, last]]
 
 
-def _Joined(disc: DiscreteProblem, pieces: list[tuple[Any, Array, Any, Any]]) -> Patches:
+def _Joined(disc: DiscreteProblem, pieces: list[tuple[Any, Array, Any, Any]]) -> ColourPatches:
     """Pieces one after the other."""
     starts = np.cumsum([0, *(len(elements) for elements, *_ in pieces)])
     empty = np.zeros((0, 3))
@@ -160,4 +160,4 @@ def _Joined(disc: DiscreteProblem, pieces: list[tuple[Any, Array, Any, Any]]) ->
                        for part, default in ((0, np.zeros(0, int)), (1, empty)))
     triangles, edges = (np.concatenate([piece[part] + start for piece, start in zip(pieces, starts)] or [default]).astype(int)
                         for part, default in ((2, empty), (3, empty[:, :2])))
-    return Patches(disc.mesh, PointsIn(disc.mesh, elements, local), triangles, edges)
+    return ColourPatches(disc.mesh, PointsIn(disc.mesh, elements, local), triangles, edges)

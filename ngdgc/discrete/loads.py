@@ -16,7 +16,7 @@ from ..problem.problem import ContactProblem
 from .checks import CheckPart
 
 
-def Tractions(problem: ContactProblem, space: FESpace) -> dict[tuple[str, str], CoefficientFunction]:
+def GivenTractions(problem: ContactProblem, space: FESpace) -> dict[tuple[str, str], CoefficientFunction]:
     """{(kind, region): vector} on Gamma_F [stress]: tractions as they are given, forces over their areas."""
     found = {("traction", region): value for region, value in problem.traction.items()}
     return found | {("force", region): value / _Area(region, space) for region, value in problem.force.items()}

@@ -27,9 +27,9 @@ from ..tools.values import Among, Order
 from .added import AddedForms
 from .checks import CheckData, CheckMesh, CheckPart, CheckRegions, CheckSpace
 from .frozen import Frozen, OfMatrix, Twin
-from .loads import Loads, Tractions
+from .loads import GivenTractions, Loads
 from .restraints import Restraints
-from .springs import Springs
+from .springs import SpringMatrices
 from .state import State
 
 
@@ -181,7 +181,7 @@ class DiscreteProblem(LinearEquations):
     @OfMatrix
     def springs(self) -> dict[str, Any]:
         """{region: scipy CSR} of int k u.v over the regions with springs."""
-        return Springs(self.problem, self.space)
+        return SpringMatrices(self.problem, self.space)
 
     @OfMatrix
     def addedmatrix(self) -> Any:
@@ -209,7 +209,7 @@ class DiscreteProblem(LinearEquations):
     @Frozen
     def tractions(self) -> dict[tuple[str, str], CoefficientFunction]:
         """{(kind, region): vector}, what acts on Gamma_F [stress]: tractions as they are given, forces over their areas."""
-        return Tractions(self.problem, self.space)
+        return GivenTractions(self.problem, self.space)
 
     @Frozen
     def loads(self) -> dict[tuple[str, str | None], Array]:

@@ -11,7 +11,7 @@ from ..mesh.facets import Csr, Threads
 from ..problem.problem import ContactProblem
 
 
-def Springs(problem: ContactProblem, space: FESpace) -> dict[str, Any]:
+def SpringMatrices(problem: ContactProblem, space: FESpace) -> dict[str, Any]:
     """{region: scipy CSR (ndof, ndof)} of int k_i u_i v_i over the regions with springs, on a vector space."""
     found, (u, v) = {}, space.TnT()
     with Threads(space.mesh):

@@ -124,7 +124,7 @@ class LoadHistory:
         """
         if not len(self):
             raise ProblemError("the history has no state yet; save one that has")
-        saved.Keep(self[-1], self.states, folder)
+        saved.KeepStates(self[-1], self.states, folder)
 
     @classmethod
     def Load(cls, folder: str | PathLike[str], problem: Any, *, parameter: Any, added: Sequence[Any] = (),
@@ -135,5 +135,5 @@ class LoadHistory:
 
         Raises ProblemError if the folder holds no history, or one of another problem: the last state is compared.
         """
-        disc, states = saved.Read(folder, problem, parameter, added, inverse)
+        disc, states = saved.ReadStates(folder, problem, parameter, added, inverse)
         return cls(disc, parameter, states)

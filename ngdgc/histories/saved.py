@@ -29,7 +29,7 @@ def CheckIsParameter(parameter: Any) -> None:
         raise ProblemError(f"parameter is {parameter!r}; give the ngsolve.Parameter on which the data depend, t = Parameter(0)")
 
 
-def Keep(last: ContactSolution, states: Sequence[LoadState], folder: str | PathLike[str]) -> None:
+def KeepStates(last: ContactSolution, states: Sequence[LoadState], folder: str | PathLike[str]) -> None:
     """Write states and the solution of the last one into a folder."""
     still = np.zeros_like(last.traction)
     arrays = {"state displacement": np.array([state.displacement for state in states]),
@@ -42,7 +42,7 @@ def Keep(last: ContactSolution, states: Sequence[LoadState], folder: str | PathL
         archive.Keep(last, folder, more=arrays)
 
 
-def Read(folder: str | PathLike[str], problem: Any, parameter: Any, added: Sequence[Any],
+def ReadStates(folder: str | PathLike[str], problem: Any, parameter: Any, added: Sequence[Any],
          inverse: str | Inverter | None) -> tuple[DiscreteProblem, list[LoadState]]:
     """(DiscreteProblem, states) from a folder, as `LoadHistory.Load` has them."""
     CheckIsParameter(parameter)

@@ -26,7 +26,7 @@ from ngsolve import VOL, BilinearForm, ElementId, GridFunction, InnerProduct, ds
 from ..contact.boundary import TraceMatrix
 from ..contracts import Array
 from ..data.coefficients import LOADBONUS, ForFacets, SpringPull, Unfolded
-from ..discrete.springs import Springs
+from ..discrete.springs import SpringMatrices
 from ..mesh.facets import Free, Threads
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
 from ..methods.symbolform import Coefficients
@@ -109,7 +109,7 @@ def _Residual(solution: Any, space: Any) -> Array:
     """R(v) for the functions of the broken space, (ndof,)."""
     disc, v, form = solution.disc, space.TestFunction(), solution.disc.form
     residual = _Elastic(solution, space)
-    for matrix in Springs(disc.problem, space).values():
+    for matrix in SpringMatrices(disc.problem, space).values():
         residual += matrix @ _Broken(solution, space).vec.FV().NumPy()
     if disc.problem.bodyforce is not None:
         residual -= Coefficients(Unfolded(disc.problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))

@@ -41,7 +41,8 @@ def Part():
 
 def Problem(coefficient=0.3):
     foundation = Foundation("gasket", NormalCompliance(stiffness=20), friction=CoulombFriction(coefficient))
-    return ContactProblem(HookeMaterial(E=210000, nu=0.3), foundation, force={"bolt": (0, 0, -2 * TENSION), "eye": PULL})
+    return ContactProblem(HookeMaterial(E=210000, nu=0.3), foundation, force={"bolt": (0, 0, -2 * TENSION), "eye": PULL},
+                          units=("mm", "N/mm^2"))
 
 
 def Mesh(n=8, order=2):

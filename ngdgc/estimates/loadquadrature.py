@@ -63,7 +63,7 @@ def _Squares(disc: Any, difference: Array, owners: np.ndarray) -> Array:
     density = GridFunction(disc.space)
     density.vec.FV().NumPy()[:] = difference
     disc.space.SolveM(density.vec)
-    return np.bincount(owners, difference * density.vec.FV().NumPy(), minlength=disc.mesh.ne)
+    return np.asarray(np.bincount(owners, difference * density.vec.FV().NumPy(), minlength=disc.mesh.ne), dtype=float)
 
 
 def _Factor(disc: Any) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import html
 from collections.abc import Sequence
 from os import PathLike
@@ -230,6 +231,22 @@ def WriteVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
     values = {name: np.asarray(CF(field)(grid.points)).reshape(len(grid.points), -1) for name, field in fields.items()}
     values["displacement"] = _Spatial(values["displacement"])
     return WriteUnstructured(path, grid.coordinates, grid.cells, values)
+
+
+@ByKeyword
+def WriteCSV(solution: ContactSolution, path: str | PathLike[str]) -> Path:
+    """Write the table of the contact points (`ContactSolution.Table`) as comma-separated text with a line of names.
+
+    Numbers have all their digits.  `path` with or without its suffix .csv; returns the Path of the file.
+    """
+    CheckSolution(solution)
+    table, target = solution.Table(), Path(path)
+    target = target if target.suffix == ".csv" else target.with_name(target.name + ".csv")
+    with open(target, "w", encoding="utf-8", newline="") as file:
+        rows = csv.writer(file)
+        rows.writerow(table.dtype.names)
+        rows.writerows(table.tolist())
+    return target
 
 
 @ByKeyword

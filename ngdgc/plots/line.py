@@ -11,14 +11,13 @@ from matplotlib.figure import Figure
 from ..contracts import Array
 from ..exceptions import ProblemError
 from ..solution.fields import FieldOf
+from ..solution.numbers import LineEnds, LinePoints
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from ..tools.values import Vectors
 from .canvas import BLUE, WIDTH, Panel, Unconverged
 
 POINTS = 801        # along a line
-ASIDE = 1e-9        # by which a line is moved off the sides of elements that it may run along, relative to its length
 
 
 @ByKeyword
@@ -38,12 +37,10 @@ def LineFigure(solution: ContactSolution, a: Sequence[float], b: Sequence[float]
     """
     CheckSolution(solution)
     disc, dim, shown = solution.disc, solution.disc.mesh.dim, FieldOf(solution, field)
-    start, end = (Vectors(point, (dim,), name, f"give its {dim} coordinates") for name, point in (("a", a), ("b", b)))
+    start, end = LineEnds(a, b, dim)
     length = float(np.linalg.norm(end - start))
-    if not length:
-        raise ProblemError(f"a and b are both {tuple(start.tolist())}; give two ends of a line")
     s = np.linspace(0, 1, POINTS)
-    points = _Points(disc.mesh, start + s[:, None] * (end - start), (end - start) / length, length)
+    points = LinePoints(disc.mesh, start + s[:, None] * (end - start), end - start)
     inside = points["nr"] >= 0
     if not inside.any():
         corners = disc.mesh.ngmesh.Coordinates()[:, :dim]
@@ -61,16 +58,6 @@ def LineFigure(solution: ContactSolution, a: Sequence[float], b: Sequence[float]
     axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements{Unconverged(solution)}\n"
                    f"{np.nanmin(values):.4g} to {np.nanmax(values):.4g}", fontsize=10)
     return figure
-
-
-def _Points(mesh: Any, places: Array, direction: Array, length: float) -> Any:
-    """NGSolve's mesh points at places (n, d): a bit aside of the line, or on it where that is outside of the body."""
-    aside = np.eye(len(direction))[np.abs(direction).argmin()]
-    aside = aside - (aside @ direction) * direction
-    if len(direction) == 3:     # off planes of a structured mesh, too
-        aside = aside + 0.37 * np.cross(direction, aside)
-    beside = mesh(*(places + ASIDE * length * aside).T)
-    return np.where(beside["nr"] >= 0, beside, mesh(*places.T))
 
 
 def _Place(point: Array) -> str:

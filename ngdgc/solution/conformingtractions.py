@@ -119,7 +119,7 @@ def _Residual(solution: Any, space: Any) -> Array:
     for part in form.parts:
         residual -= Coefficients(part.Flux(solution.gfu) * v * part.measure)
         residual -= form.theta * Coefficients((part.Jump(solution.gfu) - part.value) * part.Mean(v) * part.measure)
-    for quadrature, traction in _Contact(solution):
+    for quadrature, traction in ContactTractions(solution):
         trace = TraceMatrix(space, disc.method.ScalarSpace(disc.mesh, disc.order), quadrature.inside)
         residual += trace.T @ (quadrature.weights[:, None] * traction).ravel()
     return residual
@@ -158,7 +158,7 @@ def AddedForce(solution: Any) -> Array:
     return force if disc.added.matrix is None else force - disc.added.matrix @ solution.vector
 
 
-def _Contact(solution: Any) -> Iterator[tuple[BoundaryQuadrature, Array]]:
+def ContactTractions(solution: Any) -> Iterator[tuple[BoundaryQuadrature, Array]]:
     """(quadrature, t at its points (n, d)) of every foundation."""
     disc, start = solution.disc, 0
     for foundation in disc.problem.foundation:
@@ -172,7 +172,7 @@ def _Contact(solution: Any) -> Iterator[tuple[BoundaryQuadrature, Array]]:
 def _AddContact(solution: Any, functions: FacetFunctions, values: Array, forces: Array) -> None:
     """Subtract the integrals of t from the forces, and from the values the function that is t at the contact points."""
     numbers = solution.disc.facets.boundary[0]
-    for quadrature, traction in _Contact(solution):
+    for quadrature, traction in ContactTractions(solution):
         np.subtract.at(forces, numbers[quadrature.boundaryelements], quadrature.weights[:, None] * traction)
         shapes, root = functions.Values(quadrature), np.sqrt(quadrature.weights)[:, None]
         starts = np.flatnonzero(np.diff(quadrature.boundaryelements, prepend=-1))

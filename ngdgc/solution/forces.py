@@ -29,8 +29,12 @@ def Tractions(solution: Any) -> FacetTractions:
 def Force(solution: Any, region: str, material: str | None = None) -> Array:
     """The force through a region, (d,); see `ContactSolution.Force`."""
     on = SidesOf(solution.disc, region)
-    signs = _Outward(solution.disc, region, on) if material is None else _Side(solution.disc, region, on, material)
-    return signs @ solution.facettractions.forces[on]
+    return Signs(solution.disc, region, on, material) @ solution.facettractions.forces[on]
+
+
+def Signs(disc: DiscreteProblem, region: str, on: Any, material: str | None) -> Array:
+    """Signs (n,) of the forces on facets, on the body or on the part of it that is of a material."""
+    return _Outward(disc, region, on) if material is None else _Side(disc, region, on, material)
 
 
 def TractionOn(solution: Any, region: str) -> Any:

@@ -69,6 +69,19 @@ def test_snippets_are_python():
         Parse(cells[1] + "\n)")
 
 
+def test_answers_to_what_engineers_ask_run(tmp_path, monkeypatch, capsys):
+    """The guide's first problem, then every question of the section with its line; an answer to each is printed."""
+    monkeypatch.chdir(tmp_path)
+    first, second = CELL.findall(PAGES["guide"])[:2]
+    loads = [cell for cell in CELL.findall(PAGES["guide"]) if "normal=(0, -1)" in cell or "force={" in cell]
+    (cell,) = CELL.findall(PAGES["guide"].split("## What engineers ask of a result")[1].split("\n## ")[0])
+    script = "\n".join([first, second, cell, *loads]).replace("%matplotlib inline", "")
+    exec(compile(script, "guide.md", "exec"), {})
+    shown = capsys.readouterr().out
+    assert len(loads) == 2 and shown.count("?") == cell.count("?") >= 12
+    assert all(line.split("?")[1].strip() for line in shown.splitlines() if "?" in line)
+
+
 @pytest.mark.slow
 def test_examples_of_the_contracts_run():
     """One after the other, as they stand; with an inverse that solves twice of what it should they do not."""

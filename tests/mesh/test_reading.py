@@ -1,0 +1,131 @@
+"""Meshes from files: areas, volumes, normals, names, nodes of second order, and a solution that equals one without a file."""
+
+import numpy as np
+import pytest
+from mistakes.meshes import GMSH, INP, File
+from ngsolve import BND, CF, Integrate, specialcf, x, y, z
+
+from ngdgc import ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, Solve
+from ngdgc.meshes import BoxMesh, ReadMesh, RectangleMesh
+
+TYPES = {(2, 3): "CPE3", (2, 4): "CPE4", (3, 4): "C3D4", (3, 6): "C3D6", (3, 8): "C3D8"}
+
+
+def Volume(mesh):
+    """Volume, which the divergence theorem gives once more from the outward normals."""
+    volume = Integrate(1, mesh, order=6)
+    flux = Integrate(CF((x, y, z)[:mesh.dim]) * specialcf.normal(mesh.dim), mesh, BND, order=6)
+    assert flux == pytest.approx(mesh.dim * volume, rel=1e-12)
+    return volume
+
+
+def Rows(mesh):
+    """(points (n, 3), rows of the body, {name: rows of its sides}), numbers from 1 on."""
+    points = np.pad(mesh.ngmesh.Coordinates(), ((0, 0), (0, 3 - mesh.dim)))
+    body = [[vertex.nr + 1 for vertex in element.vertices] for element in mesh.Elements()]
+    return points, body, {name: [[vertex.nr + 1 for vertex in element.vertices] for element in mesh.Boundaries(name).Elements()]
+                          for name in mesh.GetBoundaries()}
+
+
+def Abaqus(mesh):
+    """A mesh of first order as Abaqus writes it, its sides as node sets."""
+    points, body, sides = Rows(mesh)
+    lines = ["*NODE", *(f"{n}, {a!r}, {b!r}, {c!r}" for n, (a, b, c) in enumerate(points.tolist(), 1)),
+             f"*ELEMENT, TYPE={TYPES[mesh.dim, len(body[0])]}, ELSET=steel",
+             *(", ".join(map(str, [n, *row])) for n, row in enumerate(body, 1))]
+    for name, rows in sides.items():
+        lines += [f"*NSET, NSET={name}", *(f"{node}," for node in sorted({node for row in rows for node in row}))]
+    return "\n".join(lines)
+
+
+def Gmsh(mesh, version):
+    """The same as Gmsh writes it in format 2.2 or 4.1."""
+    points, body, sides = Rows(mesh)
+    groups = [(mesh.dim, "steel", body), *((mesh.dim - 1, name, rows) for name, rows in sides.items())]
+    names = "\n".join(f'{dim} {n} "{name}"' for n, (dim, name, _) in enumerate(groups, 1))
+    lines = ["$MeshFormat", f"{version} 0 8", "$EndMeshFormat", f"$PhysicalNames\n{len(groups)}\n{names}\n$EndPhysicalNames"]
+    kinds = {2: 1, 3: 2, 4: 3 if mesh.dim == 2 or len(body[0]) > 4 else 4, 6: 6, 8: 5}
+    counts = [sum(dim == of for of, *_ in groups) for dim in range(4)]
+    total = sum(len(rows) for *_, rows in groups)
+    if version == 2.2:
+        lines += ["$Nodes", f"{len(points)}", *(f"{n} {a!r} {b!r} {c!r}" for n, (a, b, c) in enumerate(points.tolist(), 1)),
+                  "$EndNodes", "$Elements", f"{total}"]
+        lines += [" ".join(map(str, [1, kinds[len(row)], 2, n, n, *row]))
+                  for n, (_, _, rows) in enumerate(groups, 1) for row in rows]
+    else:
+        lines += ["$Entities", " ".join(map(str, counts)),
+                  *(f"{n} 0 0 0 1 1 1 1 {n} 0" for n, (dim, *_) in sorted(enumerate(groups, 1), key=lambda row: row[1][0])),
+                  "$EndEntities", "$Nodes", f"1 {len(points)} 1 {len(points)}", f"{mesh.dim} 1 0 {len(points)}",
+                  *(str(n) for n in range(1, len(points) + 1)), *(f"{a!r} {b!r} {c!r}" for a, b, c in points.tolist()),
+                  "$EndNodes", "$Elements", f"{len(groups)} {total} 1 {total}"]
+        for n, (dim, _, rows) in enumerate(groups, 1):
+            lines += [f"{dim} {n} {kinds[len(rows[0])]} {len(rows)}", *(" ".join(map(str, [1, *row])) for row in rows)]
+    return "\n".join([*lines, "$EndElements", ""])
+
+
+@pytest.mark.parametrize("mesh", [RectangleMesh(2, upper=(2, 1)), RectangleMesh(2, upper=(2, 1), cells="quad"),
+                                  BoxMesh(2, upper=(1, 1, 2)), BoxMesh(2, upper=(1, 1, 2), cells="hex"),
+                                  BoxMesh(1, upper=(1, 1, 2), cells="prism")], ids=["triangle", "quad", "tet", "hex", "prism"])
+def test_names_sizes_and_normals_are_those_of_the_mesh_that_was_written(mesh, tmp_path):
+    mesh.ngmesh.Save(str(tmp_path / "netgen.vol"))
+    files = [File(tmp_path, "a.inp", Abaqus(mesh)), tmp_path / "netgen.vol"]
+    files += [File(tmp_path, f"{version}.msh", Gmsh(mesh, version)) for version in (2.2, 4.1)]
+    for file in files:
+        read = ReadMesh(file)
+        assert read.ne == mesh.ne and read.nv == mesh.nv
+        assert Integrate(1, read) == pytest.approx(2)
+        assert set(read.GetBoundaries()) == set(mesh.GetBoundaries())
+        if file.suffix != ".vol":
+            assert Volume(read) == pytest.approx(2) and read.GetMaterials() == ("steel",)
+        for name in mesh.GetBoundaries():
+            for weight in (1, x, y, z):
+                assert Integrate(weight, read.Boundaries(name)) == pytest.approx(Integrate(weight, mesh.Boundaries(name)))
+
+
+@pytest.mark.parametrize("written", [Abaqus, lambda mesh: Gmsh(mesh, 4.1)], ids=["inp", "msh"])
+def test_solution_equals_that_without_a_file(written, tmp_path):
+    """To the accuracy of the solver."""
+    def Pressed(mesh):
+        foundation = Foundation("bottom", NormalCompliance(stiffness=100, exponent=1))
+        problem = ContactProblem(HookeMaterial(E=200, nu=0.3), foundation, dirichlet={"top": CF((0, -0.1))})
+        return Solve(Discretization(problem, InteriorPenalty(), mesh, order=1)).Force("bottom")
+
+    mesh = RectangleMesh(4)
+    read = ReadMesh(File(tmp_path, "a.inp" if written is Abaqus else "a.msh", written(mesh)))
+    assert np.allclose(Pressed(read), Pressed(mesh), rtol=1e-8)
+    assert not np.allclose(Pressed(read), Pressed(RectangleMesh(2)), rtol=1e-4)
+
+
+SECOND = INP.replace("CPE3", "CPE6").replace("1, 1, 2, 3", "1, 1, 2, 3, 4, 5, 6") + """*NODE
+4, 1, -0.3
+5, 1, 0.5
+6, 0, 0.5
+"""
+
+
+def test_nodes_of_second_order_keep_their_places(tmp_path):
+    """Two thirds of chord times height lie between a parabola and its chord."""
+    assert Volume(ReadMesh(File(tmp_path, "a.inp", INP))) == pytest.approx(1)
+    mesh = ReadMesh(File(tmp_path, "b.inp", SECOND))
+    assert Volume(mesh) == pytest.approx(1 + 2 / 3 * 2 * 0.3)
+    lines = "\n".join(f"{n} {a} {b} 0" for n, (a, b) in enumerate([(0, 0), (2, 0), (0, 1), (1, -0.3), (1, 0.5), (0, 0.5)], 1))
+    text = GMSH.replace("3\n1 0 0 0\n2 2 0 0\n3 0 1 0", f"6\n{lines}").replace("2 2 2 1 1 1 2 3", "2 9 2 1 1 1 2 3 4 5 6")
+    read = ReadMesh(File(tmp_path, "b.msh", text.replace("1 1 2 2 1 1 2", "1 8 2 2 1 1 2 4")))
+    assert Volume(read) == pytest.approx(Volume(mesh)) and read.GetBoundaries() == ("foot", "default")
+
+
+def test_tetrahedra_of_second_order_keep_their_places(tmp_path):
+    """The node on an edge of the unit tetrahedron, moved outwards by d: the map gives 1/6 and what is linear in d."""
+    points = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1), (.5, 0, -.1), (.5, .5, 0), (0, .5, 0), (0, 0, .5), (.5, 0, .5),
+              (0, .5, .5)]
+    nodes = "".join(f"{n}, {a}, {b}, {c}\n" for n, (a, b, c) in enumerate(points, 1))
+    mesh = ReadMesh(File(tmp_path, "a.inp", f"*NODE\n{nodes}*ELEMENT, TYPE=C3D10\n1, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10\n"))
+    # z gains -0.1 times 4 a b of barycentric coordinates a, b; its derivative by z, 0.4 b, has the integral 0.4/24.
+    assert Volume(mesh) == pytest.approx(1 / 6 + 0.1 * 4 / 24)
+
+
+def test_surfaces_and_sections_of_abaqus_win_over_sets(tmp_path):
+    text = INP + ("*SURFACE, NAME=contact\nsteel, S1\n*SOLID SECTION, ELSET=steel, MATERIAL=any\n"
+                  "*NSET, NSET=all, GENERATE\n1, 3\n")
+    mesh = ReadMesh(File(tmp_path, "a.inp", text))
+    assert mesh.GetBoundaries() == ("contact", "default") and mesh.GetMaterials() == ("steel",)

@@ -24,7 +24,7 @@ from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..discrete.response import Apply, ContactResponse
 from ..solvers.newton.setting import Setting
-from .known import KnownResponse
+from .known import KnownResponse, Spread
 from .loading import Loading, Moment
 from .spanned import SpannedLoads
 
@@ -33,7 +33,11 @@ DIRECTIONS = 60     # new ones in an increment, after which it has failed
 STEPS = 25          # of Newton's method with S_V
 HALVINGS = 8        # of one of them
 DECREASE = 1e-4     # relative decrease of |F|^2 that a full step must bring
-SUBSTEPS = 6        # the load of an increment is divided into 2^6 parts at most, where Newton's method with S_V fails
+WORK = 400          # of all these steps in an increment, after which it has failed
+SUBSTEPS = 6        # the load of an increment is divided into 2^6 parts at most, where Newton's method with S_V fails,
+FIRST = 3           # and into 2^3 as long as S_V is not S_D there
+GROUPS = 32         # of neighbouring points, whose common tractions are the first directions: at most,
+FEWEST = 4          # and as many points on average at least
 GOAL = 0.02         # of the tolerance, for Newton's method with S_V
 ROUNDOFF = 1e-14    # what it leaves at best, relative
 UNKNOWN = 0.1       # of the tolerance, that what is not known of S_D may change
@@ -74,10 +78,13 @@ class Increments:
         dim = disc.contact.dim
         blocks = cast(Array, np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim)))
         self.known = KnownResponse(lambda s: self.response.Product(s), disc.contact.weights, blocks)
+        for direction in Spread(disc.contact.coordinates, disc.contact.weights, min(GROUPS, len(self.scale) // FEWEST)):
+            self.known.Learn(direction)
         self.loads = SpannedLoads(lambda load: self.response.Solve(load))
         self.moment = self._Moment(disc, moment.loading, moment, moment.residual)
         self.free = self._Free(disc, moment.loading)[0]
         self.first = _First(displacement=moment.displacement, traction=moment.traction, free=self.free)
+        self.left = WORK
         self.unsure = 1.0       # how far S_V has been off, relative
 
     def Next(self, disc: DiscreteProblem) -> Moment | None:
@@ -86,15 +93,20 @@ class Increments:
         loading = Loading.Of(disc)
         graph, free = ContactGraph(contact, self.scale), self._Free(disc, loading)[0]
         q = graph.Coordinates(self.moment.displacement, self.moment.traction)
+        self.left = WORK
         for _ in range(DIRECTIONS):
-            found = self._Small(graph, q, free)
+            found = self._Newton(graph, q, free)
             outside = self.known.Outside(found.s)
-            if found.solved and self._Negligible(outside, found.point):
+            known = self._Negligible(outside, found.point)
+            if not found.solved:        # where S_V is S_D, that is not for want of knowledge
+                found = self._BySteps(graph, free, SUBSTEPS if known else FIRST)
+                outside = self.known.Outside(found.s)
+                known = self._Negligible(outside, found.point)
+            if known and found.solved:
                 break
-            if self.known.complete:
+            if self.known.complete or self.left <= 0:
                 return None
-            if not found.solved and self._Negligible(outside, found.point):
-                # S_V is S_D there, and does not lead on: what F asks for may.
+            if known:       # what F asks for may lead on
                 asked = np.linalg.solve(self.known.blocks, found.F[..., None])[..., 0]
                 outside = self.known.Outside(cast(Array, asked))
             q, self.unsure = found.point.q, max(self.known.Learn(outside), 0.5 * self.unsure)
@@ -141,20 +153,18 @@ class Increments:
         return Moment(disc=disc, loading=loading, displacement=displacement, traction=traction, residual=residual,
                       Product=Product)
 
-    def _Small(self, graph: ContactGraph, q: Array, free: Array) -> _Found:
-        """The state with S_V, from q, or by substeps of the load from the last state, where that does not lead to it."""
-        found = first = self._Newton(graph, q, free)
-        start = graph.Coordinates(self.moment.displacement, self.moment.traction)
-        for halvings in range(1, SUBSTEPS + 1):
-            if found.solved:
-                return found
-            q = start
+    def _BySteps(self, graph: ContactGraph, free: Array, most: int) -> _Found:
+        """The state with S_V, by up to 2^most substeps of the load from the last state."""
+        for halvings in range(1, most + 1):
+            q = graph.Coordinates(self.moment.displacement, self.moment.traction)
             for part in np.arange(1, 2 ** halvings + 1) / 2 ** halvings:
                 found = self._Newton(graph, q, self.free + part * (free - self.free))
                 q = found.point.q
                 if not found.solved:
                     break
-        return found if found.solved else first
+            if found.solved:
+                break
+        return found
 
     def _Newton(self, graph: ContactGraph, q: Array, free: Array) -> _Found:
         """A zero of F(q) = U - u - (change of b) + S_V s, or where Newton's method ended."""
@@ -171,6 +181,7 @@ class Increments:
         for _ in range(STEPS):
             if self._Relative(F, point) <= goal:
                 return _Found(point=point, s=s, F=F, solved=True)
+            self.left -= 1
             relief = (np.eye(graph.contact.dim) - point.derivative) / self.scale[:, None, None]
             step = self.known.Solve(relief, point.derivative - D @ relief, -F)
             if not np.all(np.isfinite(step)):

@@ -10,7 +10,7 @@ which is S_D on their span and, since S_D is symmetric, against it; only (1 - V 
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import cast
 
 import numpy as np
@@ -59,7 +59,7 @@ class KnownResponse:
         Returns how much larger S_D of it is than what S_V was there, less 1, both in L2(Gamma_C).
         """
         scaled = self.root * self.Outside(s).ravel()
-        scaled /= np.linalg.norm(scaled)
+        scaled /= np.linalg.norm(scaled) or 1.0
         scaled -= self.V @ (self.V.T @ scaled)
         scaled /= np.linalg.norm(scaled)
         direction = (scaled / self.root).reshape(s.shape)
@@ -103,3 +103,23 @@ class KnownResponse:
         weighted = (np.column_stack([self.V, self.E]) * self.root[:, None]).reshape(n, dim, -1)
         right = np.einsum("nij,nik->njk", shifted, weighted).reshape(n * dim, -1).T
         return left, right
+
+
+def Spread(coordinates: Array, weights: Array, groups: int) -> Iterator[Array]:
+    """Tractions (n, d) that are constant on groups of neighbouring points and 0 elsewhere, for each component."""
+    n, dim = coordinates.shape
+    parts = [np.arange(n)]
+    while len(parts) < groups:
+        largest = max(parts, key=lambda part: weights[part].sum() if len(part) > 1 else 0.0)
+        if len(largest) < 2:
+            break
+        parts = [part for part in parts if part is not largest]
+        axis = np.argmax(np.ptp(coordinates[largest], axis=0))
+        order = largest[np.argsort(coordinates[largest, axis], kind="stable")]
+        half = int(np.clip(np.searchsorted(np.cumsum(weights[order]), 0.5 * weights[order].sum()), 1, len(order) - 1))
+        parts += [order[:half], order[half:]]
+    for part in parts:
+        for component in range(dim):
+            direction = np.zeros((n, dim))
+            direction[part, component] = 1.0
+            yield direction

@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
+
 from ..discrete.problem import DiscreteProblem
 from ..discrete.response import ContactResponse
 from ..solution.history import Step
@@ -39,7 +41,8 @@ class Recall:
         disc, vector, traction = self.Disc(state), state.vector, state.traction
         if vector is None:
             found = self._Response(disc, state).Meet(state.displacement, state.traction)[0]
-            vector, traction = found.vector, found.traction
+            # Round-off of the matrix is no traction where there is none.
+            vector, traction = found.vector, np.where(np.any(traction, axis=1)[:, None], found.traction, traction)
         increment = state.increment
         steps = [Step(1, 0.0, increment.residual, increment.solves, increment.seconds)]
         return ContactSolution(disc, vector, traction, history=steps, solver=f"SolveHistory at time {state.time:g}")

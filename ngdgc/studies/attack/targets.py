@@ -12,11 +12,13 @@ from typing import Any
 
 import numpy as np
 from netgen.occ import Box, Rectangle
-from ngsolve import CF, BilinearForm, GridFunction, LinearForm, dx, x
+from ngsolve import CF, BilinearForm, GridFunction, LinearForm, Parameter, dx, x
 
 from ... import exact
 from ...contracts import Array
 from ...discretization import Discretization
+from ...histories.history import LoadHistory
+from ...histories.solve import SolveHistory
 from ...linear.conjugategradients import IterativeInverse
 from ...meshes import BOXCELLS, CELLS, UnitMesh
 from ...methods.registry import METHODS, Options
@@ -27,6 +29,7 @@ from ...problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, Normal
 from ...problem.materials import HookeMaterial, Strain
 from ...problem.problem import ContactProblem
 from ...solution.solution import ContactSolution
+from .results import RESULTS
 
 MODULES = ("ngdgc", "ngdgc.meshes", "ngdgc.exact", "ngdgc.traces", "ngdgc.errors", "ngdgc.plots", "ngdgc.export",
            "ngdgc.methods.variants", "ngdgc.theory.lemmas", "ngdgc.theory.consistency")
@@ -121,6 +124,20 @@ class Setting:
         return self.disc.Solve()
 
     @cached_property
+    def parameter(self) -> Parameter:
+        return Parameter(0.0)
+
+    @cached_property
+    def led(self) -> Discretization:
+        """Of a problem whose data depend on the parameter."""
+        top = CF((0.02 * self.parameter,) * (self.dim - 1) + (-0.05,))
+        return self.Discretization(problem=ContactProblem(self.material, self.foundation, dirichlet={"top": top}))
+
+    @cached_property
+    def loadhistory(self) -> LoadHistory:
+        return SolveHistory(self.led, parameter=self.parameter, times=[0.5, 1])
+
+    @cached_property
     def exact(self) -> Any:
         return exact.AffinePatch("slip", dim=self.dim)
 
@@ -135,6 +152,12 @@ class Setting:
         self.solution.Save(self.folder / "saved")
         return self.folder / "saved"
 
+    def File(self) -> str:
+        """A file with the mesh."""
+        path = str(self.folder / "mesh.vol")
+        self.mesh.ngmesh.Save(path)
+        return path
+
     def Of(self, parameter: str, owner: str = "") -> Any:
         """A valid value of a parameter of a public name; LookupError for one that nobody has thought of."""
         for name in (f"{owner}.{parameter}", parameter):
@@ -144,7 +167,8 @@ class Setting:
 
     def Object(self, kind: Any) -> Any:
         """A valid object of a public class."""
-        ready = {ContactProblem: "problem", Discretization: "disc", ContactSolution: "solution", Foundation: "foundation"}
+        ready = {ContactProblem: "problem", Discretization: "disc", ContactSolution: "solution", Foundation: "foundation",
+                 LoadHistory: "loadhistory"}
         if kind in ready:
             return getattr(self, ready[kind])
         if kind is ComplianceLaw or kind is FrictionLaw:
@@ -196,6 +220,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "roller": lambda s: {"right": 0}, "spring": lambda s: {"left": s.Choose(5, (5,) * s.dim)},
     "traction": lambda s: {"left": s.Vector(0.1)}, "force": lambda s: {"right": (0.1,) * s.dim},
     "bodyforce": lambda s: s.Vector(0.1),
+    "units": lambda s: s.Choose(None, ("mm", "MPa")),
     "r": lambda s: s.Points(1),
     "p": lambda s: abs(s.Points(1)),
     "Coefficient.slip": lambda s: abs(s.Points(1)),
@@ -208,6 +233,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     # Meshes, methods, discretisations.
     "n": lambda s: int(s.rng.integers(1, 4)),
     "cells": lambda s: s.cells,
+    "file": Setting.File,
     "RectangleMesh.cells": lambda s: s.Choose(*CELLS),
     "BoxMesh.cells": lambda s: s.Choose(*BOXCELLS),
     "RectangleMesh.lower": lambda s: (0, -1),
@@ -254,47 +280,16 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "coarser": lambda s: s.Choose(None, (), [UnitMesh(1, s.cells)]),
     "callback": lambda s: s.Choose(repr, Interrupt) if s.rng.random() < 0.1 else None,
     "start": lambda s: s.Choose(None, (s.solution.displacement, s.solution.traction)),
+    "parameter": lambda s: s.parameter,
+    "times": lambda s: s.Choose([0.5, 1], np.array([0.3, 1, 2])),
+    "SolveHistory.disc": lambda s: s.led,
+    "SolveHistory.solver": lambda s: None,
+    "SolveHistory.start": lambda s: None,
+    "states": lambda s: None,
+    "LoadHistory.states": lambda s: s.loadhistory.states,
+    "recall": lambda s: None,
     "count": lambda s: int(s.rng.integers(1, 4)),
     "seed": lambda s: int(s.rng.integers(10)),
     "penetration": lambda s: s.Points(0.1),
     "step": lambda s: s.rng.uniform(0, 1),
-    # Solutions, files, pictures.
-    "solution": lambda s: s.solution,
-    "solutions": lambda s: {"one": s.solution},
-    "Animation.solutions": lambda s: [s.solution, s.solution],
-    "ContactSolution.traction": lambda s: s.solution.traction.copy(),
-    "history": lambda s: [],
-    "levels": lambda s: [],
-    "converged": lambda s: True,
-    "solver": lambda s: "none",
-    "Predict": lambda s: None,
-    "message": lambda s: "an iteration that failed",
-    "contraction": lambda s: None,
-    "region": lambda s: s.Choose("top", "bottom", ".*"),
-    "Force.material": lambda s: s.Choose(None, ".*"),
-    "point": lambda s: tuple(s.rng.uniform(0.1, 0.9, s.dim).tolist()),
-    "folder": lambda s: s.folder / "out",
-    "Load.folder": Setting.Saved,
-    "added": lambda s: (),
-    "path": lambda s: str(s.folder / "file.html"),
-    "ContactFigure.slip": lambda s: s.Choose(True, False),
-    "stress": lambda s: s.solution.stress,
-    "estimate": lambda s: None,
-    # Exact solutions and errors.
-    "dim": lambda s: s.dim,
-    "u": lambda s: CF((x, 0, 0)[:s.dim]),
-    "displacement": lambda s: CF((x,) * s.dim),
-    "zone": lambda s: s.Choose("slip", "stick", "open"),
-    "zones": lambda s: s.exact.zones,
-    "sides": lambda s: s.Choose("dirichlet", "roller", "traction"),
-    "coulomb": lambda s: s.Choose(None, 0.3),
-    "un": lambda s: 0.1,
-    "ut": lambda s: 0.0,
-    "FromTraces.pressure": lambda s: 10.0,
-    "shear": lambda s: 0.0,
-    "ends": lambda s: (0.25, 0.75),
-    "ThreeZones.un": lambda s: 0.02,
-    "ThreeZones.ut": lambda s: 0.02,
-    "power": lambda s: 2,
-    "errors": lambda s: [4.0, 2.0, 1.0],
-    "ratio": lambda s: 2}
+    **RESULTS}

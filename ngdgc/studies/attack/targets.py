@@ -128,7 +128,7 @@ class Setting:
         return Parameter(0.0)
 
     @cached_property
-    def led(self) -> Discretization:
+    def led(self) -> Any:
         """Of a problem whose data depend on the parameter."""
         top = CF((0.02 * self.parameter,) * (self.dim - 1) + (-0.05,))
         return self.Discretization(problem=ContactProblem(self.material, self.foundation, dirichlet={"top": top}))

@@ -25,7 +25,7 @@ from ..discrete.problem import DiscreteProblem
 from ..discrete.response import Apply, ContactResponse
 from ..solvers.newton.setting import Setting
 from .known import KnownResponse, Spread
-from .loading import Loading, Moment
+from .loading import Loading, Instant
 from .spanned import SpannedLoads
 
 NEAR = 0.35         # S at one point, in units of 1/gamma, as in `solvers.newton.stiffened`
@@ -68,7 +68,7 @@ class Increments:
     moment : the state;  tol : of the law residual
     """
 
-    def __init__(self, moment: Moment, tol: float) -> None:
+    def __init__(self, moment: Instant, tol: float) -> None:
         disc, self.tol = moment.disc, tol
         setting = Setting.Of(disc)
         self.scale = setting.scale
@@ -87,7 +87,7 @@ class Increments:
         self.left = WORK
         self.unsure = 1.0       # how far S_V has been off, relative
 
-    def Next(self, disc: DiscreteProblem) -> Moment | None:
+    def Next(self, disc: DiscreteProblem) -> Instant | None:
         """The state under the data of now, slip counted from the last one, or None if that was not found."""
         contact, self.response = disc.contact, self.response.Moved(disc)
         loading = Loading.Of(disc)
@@ -141,7 +141,7 @@ class Increments:
             vector = vector + loading.lift
         return contact.Displacement(vector), vector
 
-    def _Moment(self, disc: DiscreteProblem, loading: Loading, pair: GraphPoint | Moment, residual: float) -> Moment:
+    def _Moment(self, disc: DiscreteProblem, loading: Loading, pair: GraphPoint | Instant, residual: float) -> Instant:
         displacement, traction = pair.displacement, pair.traction
         contact, free = disc.contact, self._Free(disc, loading)[1]
         s = contact.weights[:, None] * (traction - Apply(self.stiffness, displacement))
@@ -150,7 +150,7 @@ class Increments:
             """x.u = x.(free response) - V x.(T' W s), for a symmetric matrix."""
             return float(x @ free - np.vdot(contact.Displacement(self.loads.Response(x)), s))
 
-        return Moment(disc=disc, loading=loading, displacement=displacement, traction=traction, residual=residual,
+        return Instant(disc=disc, loading=loading, displacement=displacement, traction=traction, residual=residual,
                       Product=Product)
 
     def _BySteps(self, graph: ContactGraph, free: Array, most: int) -> _Found:

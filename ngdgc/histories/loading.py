@@ -51,7 +51,7 @@ def _Penalty(disc: DiscreteProblem) -> float:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Moment:
+class Instant:
     """A state while the next one is computed.
 
     disc : with the data of its time, slip from the state before;  displacement, traction : u, t at the contact points (n, d)
@@ -87,7 +87,7 @@ class Moment:
         return 0.5 * (self.Times(loading.dead - loading.prescribed) - contact + loading.penalty + self.Reaction(loading))
 
 
-def Work(before: Moment | None, after: Moment) -> float:
+def Work(before: Instant | None, after: Instant) -> float:
     """Work of loads, prescribed displacements and moved foundations, by the trapezoidal rule; before None: from rest."""
     new = after.loading
     work = 0.5 * (after.Times(new.dead - new.prescribed) + new.penalty + after.Reaction(new))

@@ -13,7 +13,7 @@ from ..discrete.response import ContactResponse
 from ..solution.history import Step
 from ..solution.solution import ContactSolution
 from ..solvers.newton.setting import Setting
-from .loading import Loading, Moment
+from .loading import Loading, Instant
 from .states import LoadState
 
 
@@ -54,10 +54,10 @@ class Recall:
             disc = self.disc.Current()
         return disc if state.origin is None else disc.After(state.origin)
 
-    def Moment(self, state: LoadState) -> Moment:
+    def Instant(self, state: LoadState) -> Instant:
         """The state as one from which the next increment begins."""
         solution = self(state)
-        return Moment(disc=solution.disc, loading=Loading.Of(solution.disc), displacement=solution.displacement,
+        return Instant(disc=solution.disc, loading=Loading.Of(solution.disc), displacement=solution.displacement,
                       traction=solution.traction, vector=solution.vector, residual=state.increment.residual)
 
     def _Response(self, disc: DiscreteProblem, state: LoadState) -> ContactResponse:

@@ -20,7 +20,7 @@ from ..tools.values import Finite
 from .energies import Dissipation, FoundationEnergy
 from .history import LoadHistory
 from .increments import Increments
-from .loading import Loading, Moment, Work
+from .loading import Loading, Instant, Work
 from .recall import Recall, Restoring
 from .start import CheckParameter, CheckStart
 from .states import Increment, LoadState
@@ -102,7 +102,7 @@ class _Run:
         last, moment = None, None
         if start is not None:
             last = start.Last()
-            moment = self.recall.Moment(last)
+            moment = self.recall.Instant(last)
         try:
             with self.disc.lock, Restoring(self.parameter):
                 for time in times:
@@ -121,7 +121,7 @@ class _Run:
             raise SolveInterrupted(history[-1], states=history) from stop
         return history
 
-    def _To(self, time: float, moment: Moment | None, last: LoadState | None) -> tuple[Moment, LoadState]:
+    def _To(self, time: float, moment: Instant | None, last: LoadState | None) -> tuple[Instant, LoadState]:
         """The state at a time, and what is kept of it."""
         begin, before, parts = clock.perf_counter(), self.current.solves, 0
         work, dissipation = (last.work, last.dissipation) if last else (0.0, 0.0)
@@ -134,7 +134,7 @@ class _Run:
         return new, LoadState(time=time, displacement=new.displacement, traction=new.traction, origin=new.disc.origin,
                               work=work, energy=energy, dissipation=dissipation, increment=increment, vector=new.vector)
 
-    def _Parts(self, old: Moment | None, begin: float, end: float) -> Iterator[tuple[Moment | None, Moment]]:
+    def _Parts(self, old: Instant | None, begin: float, end: float) -> Iterator[tuple[Instant | None, Instant]]:
         """(state before, state) of every part of an increment, halved where it fails."""
         done, part = 0.0, 1.0
         while done < 1:
@@ -150,7 +150,7 @@ class _Run:
             yield old, new
             old = new
 
-    def _At(self, time: float, old: Moment | None) -> Moment:
+    def _At(self, time: float, old: Instant | None) -> Instant:
         """The state at a time, from the one before, or from rest."""
         if old is not None and self.increments is None and self._Remembers(old):
             self.increments = Increments(old, self.solver.tol)
@@ -164,15 +164,15 @@ class _Run:
         self.increments = None
         solution = self._Solved(disc, old)
         self.current = solution.disc
-        return Moment(disc=solution.disc, loading=Loading.Of(solution.disc), displacement=solution.displacement,
+        return Instant(disc=solution.disc, loading=Loading.Of(solution.disc), displacement=solution.displacement,
                       traction=solution.traction, vector=solution.vector, residual=solution.history[-1].residual)
 
-    def _Remembers(self, old: Moment) -> bool:
+    def _Remembers(self, old: Instant) -> bool:
         """Do `Increments` serve after a state?  Contact tells which stiffness is in the matrix, which has to be symmetric."""
         disc = old.disc
         return bool(np.any(old.traction)) and disc.symmetric and not disc.iterates and disc.elastic is self.disc.elastic
 
-    def _Solved(self, disc: DiscreteProblem, old: Moment | None) -> ContactSolution:
+    def _Solved(self, disc: DiscreteProblem, old: Instant | None) -> ContactSolution:
         if old is None:
             return self.solver.Solve(disc)
         newton = self.solver if isinstance(self.solver, SemismoothNewtonSolver) else SemismoothNewtonSolver(tol=self.solver.tol)

@@ -22,7 +22,7 @@ ASIDE = 1e-9        # by which a line is moved off the sides of elements that it
 
 
 @ByKeyword
-class Numbers:
+class Quantities:
     """Numbers of a ContactSolution, which inherits them."""
 
     disc: Any
@@ -71,7 +71,7 @@ class Numbers:
         re-entrant corner stress has no largest value: it grows with every refinement.
         """
         mesh, order = self.disc.mesh, 2 * self.disc.order
-        points = mesh.MapToAllElements({et: Lattice(et, order) for et in LATTICES}, VOL)
+        points = mesh.MapToAllElements({et: PointsOf(et, order) for et in LATTICES}, VOL)
         values = FieldOf(self, field).At(points)
         number = int(np.argmax(values))
         return float(values[number]), np.asarray(Coordinates(mesh.dim)(points[number:number + 1])).ravel()
@@ -107,7 +107,7 @@ LATTICES = {TRIG: lambda x, y, z: (z == 0) & (x + y <= 1), QUAD: lambda x, y, z:
             PYRAMID: lambda x, y, z: (np.maximum(x, y) <= 1 - z) & (z < 1)}
 
 
-def Lattice(et: Any, parts: int) -> IntegrationRule:
+def PointsOf(et: Any, parts: int) -> IntegrationRule:
     """Points of equal distances, corners included, of a reference element, as a rule without weights."""
     whole = np.stack(np.meshgrid(*[np.arange(parts + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
     inside = LATTICES[et](*(whole / parts + [[0, 0, 0]]).T.round(12))

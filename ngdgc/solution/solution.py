@@ -20,13 +20,13 @@ from ..tools.calls import ByKeyword
 from . import archive
 from .forces import DisplacementAt, Force, Mean, TractionOn, Tractions
 from .history import ContractionRates, Level, ObservedRate, Step
-from .numbers import Numbers
+from .numbers import Quantities
 from .report import JsonValue, Report, Summary
 from .resultants import ElementImbalance, EquilibriumResidual, GlobalImbalance, Resultant, Resultants
 
 
 @ByKeyword
-class ContactSolution(Numbers):
+class ContactSolution(Quantities):
     """Displacement and contact traction of a discrete problem.
 
     Attributes

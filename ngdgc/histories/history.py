@@ -30,7 +30,7 @@ class LoadHistory:
     times : (m,)
     forces : {region: (m, d)}, force of every foundation on the body [stress length^(d-1)]
     work : (m,), of loads, prescribed displacements and foundations that move, from rest on; forces by the trapezoidal rule
-    energy : (m,), elastic energy of the body, with what the penalties of its jumps store, and energy of the foundations
+    energy : (m,), elastic energy of the body, with what the penalties of its jumps store, and energy of springs and foundations
     dissipation : (m,), cumulated -int sigma_t.(change of u_t), with sigma_t at the end of each increment
     displacement, traction : (m, n, d), u and t at the contact points [length], [stress]
     increments : list of `Increment`, what each has cost

@@ -5,8 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ..tools.values import HIGHEST
-
 
 @dataclass(frozen=True, kw_only=True)
 class Adaptive:
@@ -19,11 +17,7 @@ class Adaptive:
     tol: float
 
     def Solve(self, disc: Any, *, callback: Any = None) -> Any:
-        """The ContactSolution on the last mesh, with the errors of its forces; ProblemError if the case has added forms."""
+        """The ContactSolution on the last mesh; ProblemError if the case has added forms."""
         from ..estimates.adaptive import MOST, Adapt
-        from ..estimates.force import EstimateForce
 
-        solution = Adapt(disc, tol=self.error, goal="energy", most=MOST, callback=callback, law=self.tol)
-        if disc.order < HIGHEST[disc.mesh.dim]:
-            solution.forceerrors = EstimateForce(solution)
-        return solution
+        return Adapt(disc, tol=self.error, goal="energy", most=MOST, callback=callback, law=self.tol)

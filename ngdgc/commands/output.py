@@ -8,6 +8,7 @@ import shutil
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from pathlib import Path
 from typing import IO, Any, Literal, cast
@@ -130,17 +131,23 @@ def _Display(Close: Callable[[], object]) -> Callable[[str, bool], None] | None:
 
 
 def _Estimate(solution: ContactSolution) -> None:
-    """Estimate the errors of a converged solution where that has not been done; there is no estimate with added forms."""
+    """Estimate the errors of a converged solution, those of forces only on meshes that were made for an error.
+
+    Some have no estimate, as with added forms, and none is worth a run that is finished.
+    """
+    from ..estimates.force import EstimateForce
     from ..estimates.measures import Energy
     from ..estimates.zonelengths import EstimateZones
 
     if not solution.converged:
         return
-    solution.zoneerrors = solution.zoneerrors or EstimateZones(solution)
-    try:
+    with suppress(ProblemError):
+        solution.zoneerrors = EstimateZones(solution)
+    with suppress(ProblemError):
         solution.estimate = solution.estimate or Energy(solution).estimate
-    except ProblemError:
-        pass
+    if any(level.error is not None for level in solution.levels):
+        with suppress(ProblemError):
+            solution.forceerrors = EstimateForce(solution)
 
 
 def SaveResults(solution: ContactSolution, files: Files) -> None:

@@ -15,7 +15,7 @@ from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
-from .estimate import ErrorEstimate, Relative
+from .estimate import ErrorEstimate, RefuseSprings, Relative
 from .lawpart import LawPart
 from .loadquadrature import LoadQuadrature
 from .oscillation import BodyOscillation, TractionOscillation
@@ -79,9 +79,7 @@ def _Check(solution: Any) -> None:
     if not isinstance(disc.facetform, FacetForm):
         raise ProblemError(f"method {disc.method.name} has a form of its own; errors are estimated for those whose Form is a "
                            "FacetForm, as all methods of ngdgc have it")
-    if disc.problem.spring:
-        raise ProblemError("the problem has springs, whose share in the energy norm no estimate here knows; "
-                           "take EstimateForce, or hold the body with dirichlet or roller")
+    RefuseSprings(disc.problem)
     if disc.added:
         raise ProblemError("forms were added, whose forces the numerical flux does not know; errors are estimated of problems "
                            "without them")

@@ -10,7 +10,9 @@ from typing import Any
 import numpy as np
 
 from ..contracts import Array
+from ..exceptions import ProblemError
 from ..mesh.facets import VolumePoints
+from ..problem.problem import ContactProblem
 from ..solution.resultants import ElasticForce
 from ..tools.calls import ByKeyword
 
@@ -63,3 +65,10 @@ def Relative(solution: Any, value: float) -> float:
     displacement = np.abs(np.asarray(solution.gfu(points))).max()
     size = max(np.sqrt(2 * solution.energy), ROUNDOFF * np.sqrt(ElasticForce(solution) * displacement))
     return float(value / size if size else value and np.inf)
+
+
+def RefuseSprings(problem: ContactProblem) -> None:
+    """Raise ProblemError for a problem with springs."""
+    if problem.spring:
+        raise ProblemError("the problem has springs, whose share in the energy norm no estimate here knows; "
+                           "take EstimateForce, or hold the body with dirichlet or roller")

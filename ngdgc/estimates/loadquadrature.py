@@ -17,7 +17,7 @@ import numpy as np
 from ngsolve import VOL, BitArray, GridFunction, ds, dx
 
 from ..contracts import Array
-from ..data.coefficients import LOADBONUS, OnFacets, Unfolded
+from ..data.coefficients import LOADBONUS, ForFacets, Unfolded
 from ..discrete.response import ContactResponse
 from ..mesh.facets import VolumePoints
 from ..methods.symbolform import Coefficients
@@ -52,9 +52,9 @@ def _Difference(disc: Any, bonus: int, where: np.ndarray) -> Array:
         force = Unfolded(problem.bodyforce) * v
         for sign, degree in ((1, bonus), (-1, 0)):
             load += sign * Coefficients(force * dx(bonus_intorder=LOADBONUS + degree, definedonelements=elements))
-    for region in problem.traction:
+    for (kind, region), value in disc.tractions.items():
         measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS + bonus)
-        load += Coefficients(OnFacets(problem, "traction", region, disc.mesh) * v * measure) - disc.loads["traction", region]
+        load += Coefficients(ForFacets(value, kind, region, disc.mesh) * v * measure) - disc.loads[kind, region]
     return load
 
 

@@ -49,7 +49,10 @@ def test_run_leaves_everything(tmp_path):
 def test_an_error_is_reached_on_meshes_that_follow_from_it(quick, tmp_path, capsys):
     """What is kept comes back on the refined mesh."""
     assert Main(["run", "example_4_1", *"--n 2 --order 2 --error 0.1 --tol 1e-6".split(), "--out", str(tmp_path)]) == 0
-    shown, levels = capsys.readouterr().out, json.loads((tmp_path / "report.json").read_text())["levels"]
+    shown, numbers = capsys.readouterr().out, json.loads((tmp_path / "report.json").read_text())
+    levels, forces = numbers["levels"], numbers["estimated_quantities"]["force bottom"]
+    assert 0 < max(map(abs, forces["error"])) < 0.1 * max(map(abs, forces["value"]))
+    assert " +- " in (tmp_path / "report.txt").read_text()
     assert len(levels) > 1 and levels[-1]["error"] <= 0.1 < levels[-2]["error"] and levels[0]["elements"] == 8
     assert shown.count("unknowns: estimated error") == len(levels) and f"estimated error {levels[-1]['error']:.2g}" in shown
     loaded = ContactSolution.Load(tmp_path / "solution", example_4_1.Problem())

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+import scipy.linalg
+from ngsolve import CF
 from problems import Example
 from stiff import FAST, IMPLICIT, Stiff
 
-from ngdgc import (ContactSolution, CoulombFriction, Discretization, Foundation, InteriorPenalty, NormalCompliance,
-                   NotConvergedError, TrescaFriction, UzawaSolver)
+from ngdgc import (Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, EstimateContraction,
+                   Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, NotConvergedError, TrescaFriction, UzawaSolver)
 from ngdgc.exact import AffinePatch
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.solvers.uzawa.contraction import ComplianceNorm
@@ -95,3 +97,48 @@ def test_rates_are_reported_saved_and_absent_where_there_are_none(tmp_path):
     with pytest.raises(NotConvergedError) as failure:
         UzawaSolver().Solve(Discretization(Example(2e4), InteriorPenalty(), RectangleMesh(4), order=1))
     assert failure.value.solution.rates.predicted is None
+
+
+def test_contraction_number_against_the_dense_compliance_operator():
+    disc = Discretization(Example(), InteriorPenalty(), RectangleMesh(3), order=2)
+    contact, n = disc.contact, len(disc.contact.weights)
+
+    def Dense(directions, scale):
+        columns = [contact.Displacement(disc.Response(direction)) for direction in directions]
+        matrix = np.array([[np.einsum("nd,nd,n->", row, column, contact.weights) for column in columns] for row in directions])
+        mass = np.array([[np.einsum("nd,nd,n->", a, b, contact.weights) for b in directions] for a in directions])
+        return scale * scipy.linalg.eigh(matrix, mass, eigvals_only=True)[-1]
+
+    normals = [contact.normals * (np.arange(n) == i)[:, None] for i in range(n)]
+    tangents = [vector[:, ::-1] * [1, -1] for vector in normals]
+    estimate = EstimateContraction(disc, np.full(n, 0.1), step=7.0)
+    assert estimate.normal == pytest.approx(Dense(normals, 450), rel=0.01)
+    assert estimate.friction == pytest.approx(Dense(tangents, 3.5), rel=0.01)
+    # The active zone: half of the points out of contact.
+    half = EstimateContraction(disc, np.where(contact.coordinates[:, 0] < 0.5, 0.1, -0.1)).normal
+    active = [vector for vector, point in zip(normals, contact.coordinates) if point[0] < 0.5]
+    assert half == pytest.approx(Dense(active, 450), rel=0.01) and half != pytest.approx(estimate.normal, rel=0.01)
+
+
+def test_local_stiffness_of_other_exponents():
+    """p_n' = 2 k r: at penetration r a quadratic law contracts like a linear one of stiffness 2 k r."""
+    linear = Discretization(Example(500.0), InteriorPenalty(), RectangleMesh(3), order=1)
+    foundation = Foundation("bottom", NormalCompliance(500.0, 2), friction=TrescaFriction(1), gap=0.05)
+    quadratic = Discretization(Example(foundation=foundation), InteriorPenalty(), RectangleMesh(3), order=1)
+    r = np.full(len(linear.contact.weights), 0.25)
+    assert EstimateContraction(quadratic, r).normal == pytest.approx(EstimateContraction(linear, r).normal / 2, rel=1e-6)
+
+
+def test_contraction_number_of_zones_that_are_never_active_together():
+    """Foundations above and below a beam: the number in the error is that of one iterate, not of the union of their zones."""
+    def Beam(stiffness):
+        law = NormalCompliance(stiffness)
+        problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), [Foundation("bottom", law), Foundation("top", law)],
+                                 dirichlet={"left": CF((0, 0))}, traction={"right": CF((0, -1))})
+        return Discretization(problem, Conforming(), RectangleMesh(6, upper=(3, 1), cells="quad"), order=1)
+
+    solution = UzawaSolver().Solve(Beam(1.0))
+    limit = 1 / EstimateContraction(solution.disc, solution.penetration).normal
+    with pytest.raises(NotConvergedError, match="cannot converge for any rho") as failure:
+        UzawaSolver().Solve(Beam(1.3 * limit))
+    assert 1 < failure.value.contraction.normal < 1.7

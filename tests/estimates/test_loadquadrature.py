@@ -47,6 +47,14 @@ def test_it_is_the_energy_of_what_an_exact_load_changes(cells):
     assert shares.sum() > 1e-5 * 2 * solution.energy      # control: it is no round-off
 
 
+def test_no_share_is_negative_where_the_load_errs_against_the_motion():
+    """Of two jumps the smaller one is integrated with the other sign: their sum is kept."""
+    solution = Loaded(bodyforce=CF((IfPos(x - 0.4, 3, 1) - IfPos(x - 0.9, 2, 0), y)))
+    shares, both = LoadQuadrature(solution, 0.0), CF((IfPos(x - 0.9, -2, 0), 0))
+    alone = LoadQuadrature(Loaded(bodyforce=both), 0.0)
+    assert shares.min() >= 0 and np.all(shares[alone > 0.01 * alone.max()] > 0)
+
+
 def test_smooth_loads_ask_for_nothing():
     solution = Loaded(order=1, bodyforce=(cos(x + 2 * y), 0), traction={"top": (0, cos(3 * x))})
     applied = solution.disc.solves

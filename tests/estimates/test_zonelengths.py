@@ -34,6 +34,15 @@ def test_ends_inside_of_facets_are_where_the_errors_allow(method):
     assert worst > 1 / 3
 
 
+@pytest.mark.parametrize("method", [InteriorPenalty(), LDG(form="lifting")])
+def test_zones_of_an_exact_solution_are_sure(method):
+    """Order 4 holds the three zones, which end at vertices: both tractions are the true one.  Order 2 does not hold them."""
+    solutions = [NestedNewtonSolver().Solve(Discretization(ThreeZones().problem, method, UnitMesh(4, "triangle"), order=order))
+                 for order in (4, 2)]
+    sure, unsure = map(EstimateZones, solutions)
+    assert set(sure.values()) == {0.0} and max(unsure.values()) > 0
+
+
 def test_errors_fall_with_the_mesh_and_belong_to_zones_that_end():
     found = [EstimateZones(example_4_2.Main(n=n, order=2)) for n in (8, 32)]
     assert found[1]["slip"] < 0.5 * found[0]["slip"]

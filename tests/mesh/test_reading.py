@@ -129,3 +129,76 @@ def test_surfaces_and_sections_of_abaqus_win_over_sets(tmp_path):
                   "*NSET, NSET=all, GENERATE\n1, 3\n")
     mesh = ReadMesh(File(tmp_path, "a.inp", text))
     assert mesh.GetBoundaries() == ("contact", "default") and mesh.GetMaterials() == ("steel",)
+
+
+# Corners of one element of each type, and the area vectors of its sides S1, S2, ... in the numbering of Abaqus.
+SURFACES = {
+    "CPE3": ([(0, 0, 0), (2, 0, 0), (0, 1, 0)], [(0, -2), (1, 2), (-1, 0)]),
+    "CPE4": ([(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0)], [(0, -2), (1, 0), (0, 2), (-1, 0)]),
+    "C3D4": ([(0, 0, 0), (2, 0, 0), (0, 3, 0), (0, 0, 4)], [(0, 0, -3), (0, -4, 0), (6, 4, 3), (-6, 0, 0)]),
+    "C3D8": ([(0, 0, 0), (2, 0, 0), (2, 3, 0), (0, 3, 0), (0, 0, 4), (2, 0, 4), (2, 3, 4), (0, 3, 4)],
+             [(0, 0, -6), (0, 0, 6), (0, -8, 0), (12, 0, 0), (0, 8, 0), (-12, 0, 0)]),
+    "C3D6": ([(0, 0, 0), (2, 0, 0), (0, 3, 0), (0, 0, 4), (2, 0, 4), (0, 3, 4)],
+             [(0, 0, -3), (0, 0, 3), (0, -8, 0), (12, 8, 0), (-12, 0, 0)]),
+    "C3D5": ([(0, 0, 0), (2, 0, 0), (2, 3, 0), (0, 3, 0), (1, 1.5, 4)],
+             [(0, 0, -6), (0, -4, 1.5), (6, 0, 1.5), (0, 4, 1.5), (-6, 0, 1.5)])}
+
+
+def Nodes(points):
+    return "*NODE\n" + "".join(f"{n}, {a}, {b}, {c}\n" for n, (a, b, c) in enumerate(points, 1))
+
+
+@pytest.mark.parametrize("kind", SURFACES)
+@pytest.mark.parametrize("turn", [1, -1], ids=["right", "mirrored"])
+def test_sides_of_abaqus_have_its_numbers(kind, turn, tmp_path):
+    """Integrals of the outward normal, which differ for all sides of an element; also of elements that are inside out."""
+    points, areas = SURFACES[kind]
+    text = Nodes([(turn * a, b, c) for a, b, c in points]) + f"*ELEMENT, TYPE={kind}, ELSET=all\n"
+    text += ", ".join(map(str, [1, *range(1, len(points) + 1)]))
+    text += "".join(f"\n*SURFACE, NAME=side{side}\nall, S{side}" for side in range(1, len(areas) + 1))
+    mesh = ReadMesh(File(tmp_path, "a.inp", text))
+    assert len(mesh.GetBoundaries()) == len(areas)
+    for side, area in enumerate(areas, 1):
+        found = Integrate(specialcf.normal(mesh.dim), mesh.Boundaries(f"side{side}"))
+        assert np.allclose(found, np.array(area) * ([turn, 1, 1][:mesh.dim]), atol=1e-12)
+
+
+def test_quadrilaterals_and_tetrahedra_of_second_order_keep_their_places(tmp_path):
+    """Two sides are bent by different heights; the other sides and all of the tetrahedron are straight."""
+    points = [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0), (1, -0.3, 0), (2.2, 0.5, 0), (1, 1, 0), (0, 0.5, 0)]
+    tet = [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1),
+           (.5, 0, 0), (.5, .5, 0), (0, .5, 0), (0, 0, .5), (0, .5, .5), (.5, 0, .5)]
+    files = [File(tmp_path, "a.inp", Nodes(points) + "*ELEMENT, TYPE=CPE8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n")]
+    for kind, nodes in ((16, points), (11, tet)):
+        rows = "\n".join(f"{n} {a} {b} {c}" for n, (a, b, c) in enumerate(nodes, 1))
+        numbers = " ".join(map(str, range(1, len(nodes) + 1)))
+        text = f"$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n{len(nodes)}\n{rows}\n$EndNodes\n"
+        files.append(File(tmp_path, f"{kind}.msh", text + f"$Elements\n1\n1 {kind} 2 0 1 {numbers}\n$EndElements\n"))
+    for file, size in zip(files, (2 + 2 / 3 * (2 * 0.3 + 0.2), 2 + 2 / 3 * (2 * 0.3 + 0.2), 1 / 6)):
+        assert Volume(ReadMesh(file)) == pytest.approx(size, rel=1e-12)
+
+
+def test_materials_and_shapes_in_one_file(tmp_path):
+    """A square of steel and beside it a triangle of rubber; a section gives another name; groups of Gmsh count by dimension."""
+    points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (4, 0, 0)]
+    text = Nodes(points) + "*ELEMENT, TYPE=CPE4, ELSET=steel\n1, 1, 2, 3, 4\n*ELEMENT, TYPE=CPE3, ELSET=rubber\n2, 2, 5, 3\n"
+    rows = "\n".join(f"{n} {a} {b} {c}" for n, (a, b, c) in enumerate(points, 1))
+    gmsh = (f'$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n3\n1 1 "foot"\n2 1 "steel"\n2 2 "rubber"\n'
+            f"$EndPhysicalNames\n$Nodes\n5\n{rows}\n$EndNodes\n"
+            "$Elements\n3\n1 3 2 1 1 1 2 3 4\n2 2 2 2 2 2 5 3\n3 1 2 1 1 1 2\n$EndElements\n")
+    sections = "*ELSET, ELSET=soft\n2,\n*SOLID SECTION, ELSET=SOFT\n*SOLID SECTION, ELSET=steel\n"
+    for name, content, soft in (("a.inp", text, "rubber"), ("b.inp", text + sections, "SOFT"), ("c.msh", gmsh, "rubber")):
+        mesh = ReadMesh(File(tmp_path, name, content))
+        assert set(mesh.GetMaterials()) == {"steel", soft} and Volume(mesh) == pytest.approx(2.5)
+        assert Integrate(1, mesh.Materials("steel")) == pytest.approx(1)
+        assert Integrate(1, mesh.Materials(soft)) == pytest.approx(1.5)
+    assert set(mesh.GetBoundaries()) == {"foot", "default"} and Integrate(1, mesh.Boundaries("foot")) == pytest.approx(1)
+
+
+def test_sets_count_in_steps(tmp_path):
+    """The left side has the nodes 1 and 3; with 2 a set would hold all sides, and name none."""
+    for step, names in ((2, {"left", "default"}), (1, {"default"})):
+        text = INP.split("*NSET")[0] + f"*NSET, NSET=left, GENERATE\n1, 3, {step}\n"
+        mesh = ReadMesh(File(tmp_path, "a.inp", text))
+        assert set(mesh.GetBoundaries()) == names
+        assert step == 1 or Integrate(1, mesh.Boundaries("left")) == pytest.approx(1)

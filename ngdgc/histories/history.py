@@ -29,7 +29,7 @@ class LoadHistory:
     disc : Discretization;  parameter : the Parameter that was the time
     times : (m,)
     forces : {region: (m, d)}, force of every foundation on the body [stress length^(d-1)]
-    work : (m,), of loads, prescribed displacements and foundations that move, from rest on; forces by the trapezoidal rule
+    work : (m,), of loads, prescribed displacements and foundations that move, from rest without gap on; trapezoidal rule
     energy : (m,), elastic energy of the body, with what the penalties of its jumps store, and energy of springs and foundations
     dissipation : (m,), cumulated -int sigma_t.(change of u_t), with sigma_t at the end of each increment
     displacement, traction : (m, n, d), u and t at the contact points [length], [stress]

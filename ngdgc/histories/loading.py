@@ -88,12 +88,12 @@ class Instant:
 
 
 def Work(before: Instant | None, after: Instant) -> float:
-    """Work of loads, prescribed displacements and moved foundations, by the trapezoidal rule; before None: from rest."""
-    new = after.loading
+    """Work of loads, prescribed displacements and moved foundations, by the trapezoidal rule; before None: rest without gap."""
+    new, contact = after.loading, after.disc.contact
     work = 0.5 * (after.Times(new.dead - new.prescribed) + new.penalty + after.Reaction(new))
     if before is None:
-        return work
-    old, contact = before.loading, after.disc.contact
+        return work - 0.5 * float(contact.weights @ (contact.Normal(after.traction) * new.gap))
+    old = before.loading
     work += 0.5 * (after.Times(old.dead + old.prescribed) - before.Times(new.dead + new.prescribed)
                    - before.Times(old.dead - old.prescribed) - old.penalty)
     work += 0.5 * (before.Reaction(new) - after.Reaction(old) - before.Reaction(old))

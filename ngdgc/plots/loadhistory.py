@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from ..exceptions import ProblemError
 from ..histories.history import LoadHistory
 from ..tools.calls import ByKeyword
+from ..tools.units import InUnits, UnitsOf
 from ..tools.values import Reals
 from .canvas import BLUE, FOUNDATION_COLOURS, GREEN, ORANGE, VERMILION, WIDTH, Panel
 
@@ -30,16 +31,20 @@ def LoadHistoryFigure(history: LoadHistory, *, against: Any = None) -> Figure:
     abscissa = history.times if against is None else Reals(against, history.times.shape)
     if abscissa is None:
         raise ProblemError(f"against is {against!r}; give one number for each of the {len(history)} states")
+    units, dim = UnitsOf(history[-1]), history[-1].disc.mesh.dim
+    force = InUnits(f"force on the body [stress length{'^2' if dim == 3 else ''}]", units, bare=True)
+    work = InUnits(f"work [stress length^{dim}]", units, bare=True)
     figure = Figure(figsize=(1.5 * WIDTH, 3.4), layout="constrained")
     left, right = figure.subplots(1, 2)
     for colour, (region, forces) in zip(FOUNDATION_COLOURS * len(history.forces), history.forces.items()):
         for style, axis, component in zip(STYLES, "xyz", forces.T):
             left.plot(abscissa, component, style, color=colour, label=f"{region}, $F_{axis}$", marker=".", markersize=3)
-    Panel(left, xlabel="time" if against is None else "displacement [length]", ylabel="force on the body").legend(frameon=False)
+    shown = "time" if against is None else InUnits("displacement [length]", units)
+    Panel(left, xlabel=shown, ylabel=force).legend(frameon=False)
     for name, colour, style in (("work", BLUE, "-"), ("energy", GREEN, "-"), ("dissipation", VERMILION, "-")):
         right.plot(history.times, getattr(history, name), style, color=colour, label=name)
     balance = history.energy + history.dissipation
     if np.all(np.isfinite(balance)):
         right.plot(history.times, balance, ":", color=ORANGE, label="energy + dissipation", linewidth=2.5, zorder=1)
-    Panel(right, xlabel="time", ylabel="work").legend(frameon=False)
+    Panel(right, xlabel="time", ylabel=work).legend(frameon=False)
     return figure

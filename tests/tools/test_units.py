@@ -3,16 +3,16 @@
 import re
 
 import pytest
-from ngsolve import CF
+from ngsolve import CF, Parameter
 
 from ngdgc import (Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance,
-                   Solve)
+                   Solve, SolveHistory)
 from ngdgc.cases import example_4_2
 from ngdgc.commands.compare import Table
 from ngdgc.export import Scene
 from ngdgc.meshes import BoxMesh
 from ngdgc.plots import (ComparisonFigure, ContactFigure, DeformedFigure, FieldFigure, LawFigure, LineFigure, SettingFigure,
-                         ZonesFigure)
+                         LoadHistoryFigure, ZonesFigure)
 from ngdgc.tools.units import InUnits
 
 UNITS = ("mm", "N/mm^2")
@@ -84,3 +84,16 @@ def test_problems_keep_them():
                              units=["m", "Pa"])
     assert problem.units == ("m", "Pa") and "units=('m', 'Pa')" in repr(problem)
     assert Discretization(problem, Conforming(), example_4_2.Mesh(2)).problem.units == ("m", "Pa")
+
+
+@pytest.mark.parametrize("mesh", [example_4_2.Mesh(1), BoxMesh(1)], ids=["2D", "3D"])
+def test_histories_have_them(mesh):
+    """Forces and work of a body in space or of a slice; without units these words are left out."""
+    force, work = ("N", "N mm") if mesh.dim == 3 else ("N/mm", "N")
+    t = Parameter(0)
+    for units, names in ((UNITS, {"[mm]", f"[{force}]", f"[{work}]"}), (None, {"[length]"})):
+        problem = ContactProblem(HookeMaterial(E=100, nu=0.3), Foundation("bottom", NormalCompliance(10)),
+                                 dirichlet={"top": CF((0,) * (mesh.dim - 1) + (-0.1 * t,))}, units=units)
+        history = SolveHistory(Discretization(problem, InteriorPenalty(), mesh), parameter=t, times=[0, 1])
+        words = Words(LoadHistoryFigure(history, against=[0, 1]))
+        assert set(re.findall(r"\[.*?\]", words)) == names

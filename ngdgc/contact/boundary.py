@@ -144,9 +144,10 @@ class ContactBoundary:
         CheckFinite(self.parts, method, values, at, word)
         return values
 
-    def TraceProjection(self, traction: Array) -> Array:
+    def TraceProjection(self, traction: Array, *, there: ContactBoundary | None = None) -> Array:
         """The part of a traction (n, d) that the body feels: its projection on the traces of V_h in L2(Gamma_C), (n, d).
 
+        there : the points at which it is returned, of another ContactBoundary of V_h; None: these
         Where the points outnumber the traces (triangles of Gamma_C at higher orders) the rest is not determined by equilibrium.
         """
         import scipy.sparse.linalg as spla  # slow to import
@@ -155,7 +156,7 @@ class ContactBoundary:
         used = np.flatnonzero(np.diff(self.trace.tocsc().indptr))
         traces = sp.diags(root) @ self.trace[:, used]
         coefficients = spla.lsmr(traces, root * traction.ravel(), atol=1e-14, btol=1e-14, conlim=0, maxiter=10 * len(used))[0]
-        return (self.trace[:, used] @ coefficients).reshape(-1, self.dim)
+        return np.asarray((there or self).trace[:, used] @ coefficients).reshape(-1, self.dim)
 
     def Load(self, traction: Array) -> Array:
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""

@@ -5,7 +5,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..contact.boundary import ContactBoundary
 from ..contact.graph import ZONES, ContactGraph
@@ -58,17 +57,6 @@ def _Labels(solution: Any) -> tuple[ContactBoundary, Array, Array]:
     gamma = order * Softest(disc)[fine.inside["nr"]] / fine.measures ** (1 / (dim - 1))
     graph, u = ContactGraph(fine, gamma), fine.Displacement(solution.vector)
     stress = np.asarray(solution.stress(fine.inside)).reshape(-1, dim, dim)
-    tractions = Continued(disc.contact, fine, solution.traction), -np.einsum("nij,nj->ni", stress, fine.normals)
+    tractions = disc.contact.TraceProjection(solution.traction, there=fine), -np.einsum("nij,nj->ni", stress, fine.outward)
     first, second = (graph.At(graph.Coordinates(u, traction)).zones for traction in tractions)
     return fine, first, second
-
-
-def Continued(contact: ContactBoundary, fine: ContactBoundary, traction: Array) -> Array:
-    """The projection of a traction (n, d) at contact points on the traces of V_h, at the points of another ContactBoundary."""
-    import scipy.sparse.linalg as spla  # slow to import
-
-    root = np.repeat(np.sqrt(contact.weights), contact.dim)
-    used = np.flatnonzero(np.diff(contact.trace.tocsc().indptr))
-    coefficients = spla.lsmr(sp.diags(root) @ contact.trace[:, used], root * traction.ravel(), atol=1e-12, btol=1e-12, conlim=0,
-                             maxiter=10 * len(used))[0]
-    return np.asarray(fine.trace[:, used] @ coefficients).reshape(-1, contact.dim)

@@ -9,8 +9,9 @@ from ngsolve.meshes import MakeStructured2DMesh, MakeStructured3DMesh
 from problems import TEN, Solved
 
 from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, EstimateError,
-                   EstimateForce, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, ProblemError, Solve,
-                   TrescaFriction, UzawaSolver)
+                   EstimateForce, EstimateZones, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, ProblemError,
+                   Solve, TrescaFriction, UzawaSolver)
+from ngdgc.contact.boundary import ContactBoundary
 from ngdgc.contact.graph import Distance
 from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.meshes import BoxMesh, RectangleMesh
@@ -197,3 +198,16 @@ def test_nothing_resists_a_slide_along_a_flat_foundation():
     disc = Discretization(ContactProblem(MATERIAL, along, traction={"top": (0, -1)}), LDG(), Rounded())
     with pytest.raises(ProblemError, match="nothing resists translation along x with rotation about"):
         Solve(disc)     # control: an arc rolls about its middle
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+@pytest.mark.parametrize("zone", ["slip", "stick"])
+def test_zones_of_an_exact_solution_are_sure(dim, zone, monkeypatch):
+    """-C eps(u_h) n is the traction with n the body's own normal; with N it would slip where all of it sticks (control)."""
+    mesh, n = Inclined(dim)
+    solution = Solved(Patch(dim, zone, n)[0], METHOD, mesh, order=1)
+    assert set(EstimateZones(solution).values()) == {0.0}
+    if zone == "stick":
+        monkeypatch.setattr(ContactBoundary, "outward", property(lambda contact: contact.normals, lambda contact, n: None),
+                            raising=False)
+        assert EstimateZones(solution)["stick"] == pytest.approx(solution.ZoneLengths()["stick"])

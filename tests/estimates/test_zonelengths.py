@@ -7,7 +7,6 @@ from ngsolve.meshes import MakeStructured2DMesh
 from ngdgc import LDG, Conforming, Discretization, EstimateZones, InteriorPenalty, NestedNewtonSolver, ProblemError
 from ngdgc.cases import example_4_2, hertz_sphere
 from ngdgc.contact.boundary import ContactBoundary
-from ngdgc.estimates.zonelengths import Continued
 from ngdgc.meshes import UnitMesh
 from ngdgc.studies.samples import Draw
 from ngdgc.traces import ThreeZones
@@ -65,7 +64,7 @@ def test_tractions_are_continued_exactly_between_contact_points():
     fine = ContactBoundary(disc.problem, disc.facets, disc.space, disc.method.ScalarSpace(disc.mesh, 2), 12)
     for degree, exact in ((2, True), (3, False)):
         here, there = (np.column_stack([c.coordinates[:, 0] ** degree, 1 - c.coordinates[:, 0]]) for c in (disc.contact, fine))
-        assert (np.abs(Continued(disc.contact, fine, here) - there).max() < 1e-10) == exact
+        assert (np.abs(disc.contact.TraceProjection(here, there=fine) - there).max() < 1e-10) == exact
 
 
 def test_in_space_the_radius_of_a_contact_is_known_to_a_part_of_an_element():

@@ -222,3 +222,28 @@ def test_figure_has_the_forces_and_the_energies_of_the_history():
     assert [line.get_label() for line in right.lines] == ["work", "energy", "dissipation", "energy + dissipation"]
     left, _ = LoadHistoryFigure(history, against=history.displacement[:, 0, 0]).axes
     assert np.array_equal(left.lines[1].get_xdata(), history.displacement[:, 0, 0])
+
+
+def test_slip_counts_from_the_last_state_whatever_the_data_are_then():
+    """|u_t - v_t| after a state v, also of the copy with the data of another time; pressure depends on u alone."""
+    t = Parameter(1)
+    disc = Discretization(Patch(t, 2, (1.0,)), LDG(), RectangleMesh(2))
+    rng = np.random.default_rng(1)
+    u, v = rng.uniform(-1, 1, (2, *disc.contact.normals.shape))
+    after = disc.After(v)
+    t.Set(2)
+    for contact in (after.contact, after.Current().contact):
+        assert contact.Slip(u) == pytest.approx(np.abs(u - v)[:, 0]) and contact.Penetration(u) == pytest.approx(-u[:, 1])
+    assert after.Current() is not after and disc.contact.Slip(u) == pytest.approx(np.abs(u[:, 0]))
+
+
+def test_forces_of_two_foundations_are_their_own():
+    t = Parameter(0)
+    law = NormalCompliance(1e3)
+    problem = ContactProblem(MATERIAL, [Foundation("bottom", law), Foundation("left", NormalCompliance(2e3))],
+                             dirichlet={"top": CF((-0.01 * t, -0.02 * t))})
+    history = SolveHistory(Discretization(problem, LDG(), RectangleMesh(3)), parameter=t, times=[1, 2])
+    for name in ("bottom", "left"):
+        found = [solution.Force(name) for solution in history]
+        assert history.forces[name] == pytest.approx(np.array(found), rel=1e-9)
+    assert np.abs(history.forces["bottom"] - history.forces["left"]).min() > 1e-3

@@ -110,7 +110,7 @@ LATTICES = {TRIG: lambda x, y, z: (z == 0) & (x + y <= 1), QUAD: lambda x, y, z:
 def PointsOf(et: Any, parts: int) -> IntegrationRule:
     """Points of equal distances, corners included, of a reference element, as a rule without weights."""
     whole = np.stack(np.meshgrid(*[np.arange(parts + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    inside = LATTICES[et](*(whole / parts + [[0, 0, 0]]).T.round(12))
+    inside = LATTICES[et](*(whole / parts).T.round(12))
     points = (whole[inside] / parts)[:, :2 if et in (TRIG, QUAD) else 3]
     return IntegrationRule(points=[tuple(point) for point in points.tolist()], weights=[0.0] * len(points))
 

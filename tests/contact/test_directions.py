@@ -13,6 +13,7 @@ from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, CoulombFric
                    Solve, TrescaFriction, UzawaSolver)
 from ngdgc.contact.boundary import ContactBoundary
 from ngdgc.contact.graph import Distance
+from ngdgc.estimates.nitsche import LinearisedContact, TractionMatrix
 from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.plots import DeformedFigure, SettingFigure
@@ -211,3 +212,17 @@ def test_zones_of_an_exact_solution_are_sure(dim, zone, monkeypatch):
         monkeypatch.setattr(ContactBoundary, "outward", property(lambda contact: contact.normals, lambda contact, n: None),
                             raising=False)
         assert EstimateZones(solution)["stick"] == pytest.approx(solution.ZoneLengths()["stick"])
+
+
+@pytest.mark.parametrize("dim", [2, 3])
+def test_stress_vectors_of_force_estimates_are_those_of_the_body(dim):
+    """The matrix that maps coefficients to -C eps(u) n gives what is computed from the function; along N it would not."""
+    mesh, n = Inclined(dim)
+    disc = Discretization(Patch(dim, "stick", n)[0], METHOD, mesh, order=2)
+    vector = np.random.default_rng(1).uniform(-1, 1, disc.space.ndof)
+    contact = LinearisedContact(disc, vector)
+    found = (contact.tractions @ vector).reshape(contact.stress.shape)
+    assert np.abs(found - contact.stress).max() < 1e-10 * np.abs(contact.stress).max()
+    contact.contact.outward = contact.contact.normals
+    wrong = (TractionMatrix(disc, contact.contact) @ vector).reshape(contact.stress.shape)
+    assert np.abs(wrong - contact.stress).max() > 0.1 * np.abs(contact.stress).max()

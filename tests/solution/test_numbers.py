@@ -40,6 +40,21 @@ def test_moments_through_an_interface(method):
     solution = Solved(Loaded(mesh), method, mesh)
     one, other = (solution.Moment("mid", material=name, point=(0.5, 0.4)) for name in ("soft", "hard"))
     assert np.abs(one + other).max() < 1e-10 * np.abs(one).max() and np.abs(one).max() > 1e-3
+    # The sign is that of the force on this material: of its own outer side the same as without its name.
+    bottom = solution.Moment("bottom")
+    assert np.array_equal(solution.Moment("bottom", material="soft"), bottom) and np.abs(bottom).max() > 1e-3
+    assert np.abs(solution.Moment(".*", material="hard") - solution.Moment("left|right|top", material="hard")
+                  - solution.Moment("mid", material="hard")).max() < 1e-10 * np.abs(bottom).max()
+
+
+def test_stress_across_the_plane():
+    """nu (sxx + syy) in plane strain, 0 in plane stress."""
+    nu, foundation = 0.3, Foundation("bottom", NormalCompliance(10))
+    for plane, part in (("strain", nu), ("stress", 0.0)):
+        problem = ContactProblem(HookeMaterial(E=100, nu=nu, plane=plane), foundation, dirichlet={"top": (0.02, -0.1)})
+        line = Solve(Discretization(problem, LDG(), RectangleMesh(2), order=2)).Along((0.1, 0.9), (0.8, 0.2), 5)["stress"]
+        assert line[:, 2, 2] == pytest.approx(part * (line[:, 0, 0] + line[:, 1, 1]), rel=1e-10, abs=1e-10)
+        assert np.abs(line[:, 0, 0] + line[:, 1, 1]).min() > 1e-3
 
 
 @pytest.mark.parametrize("cells", ["triangle", "quad", "tet", "hex", "prism"])

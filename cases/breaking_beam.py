@@ -8,6 +8,8 @@ What to look at: an iteration that starts from the beam without foundation finds
     infinity the largest penetration is 0.045, so this is a solution for strength = 0.1 too.  PEER are values that another
     program stores for it; they are those of friction = 0, friction = 8 halves the horizontal ones.
 Source: an example of the program conmech, P1 on a cross mesh with h = 1/4, good to about three digits.
+Ask: From which strength on is there only one solution?  Which of the two would a beam find that is let down slowly?  What
+    do refined meshes do to the two, and to the penetration at which one of them breaks?
 """
 
 from dataclasses import dataclass

@@ -6,6 +6,8 @@ Problem: E = 2000, nu = 0.4 [daN/mm^2]; traction (200 (5-y), -190) on the left; 
 What to look at: the lower left corner sinks 0.5 mm into the foundation; the friction bound is 1 against tractions near 1000
     and hardly shows.
 Source: Example 4.1 of Xiao, Wang, Han, Numer. Funct. Anal. Optim. 2018, which states plane stress.
+Ask: By how much does the corner move when the friction bound is 0, or 100?  What changes with `--plane strain`?  Which
+    number of the report would tell that the body sinks in too deep for a linear theory?
 """
 
 from ngsolve import CF, y

@@ -5,6 +5,8 @@ Domain: (0,1) x (0,1) [mm], clamped on top, touching the foundation (gap 0).
 Problem: E = 2500, nu = 0.2 [daN/mm^2]; traction (880, 0) on the left; p_n = 250 r, friction bound 1.
 What to look at: the left half of the bottom presses and slips, the right half lifts off.
 Source: Example 4.2 of Xiao, Wang, Han, Numer. Funct. Anal. Optim. 2018.
+Ask: How far does the lifted part grow when the foundation is ten times as stiff?  Do meshes 1/8, 1/16, 1/32 agree on where
+    contact ends, and how well?  Why is there stress without bound in the upper corners, and what does it do to the order?
 """
 
 from ngsolve import CF

@@ -7,6 +7,8 @@ Problem: plane strain, E = 1.3e11, nu = 0.2 [Pa]; pressure 5e7 on top, 15e7 on x
 What to look at: the plate slides towards its middle, where it sticks, and lifts off a little at its edge x = 0; u_x on
     Gamma_C is REFERENCE, given to 5 per cent.
 Source: SSNV128 in the validation manual of code_aster, after the group "Grandes deformations et endommagement" (GRECO).
+Ask: Where does the stick zone end for the coefficients 0.5 and 2?  What is left of u_x without the pressure on the side?
+    Would you believe a result that agrees with a reference of 5 per cent to 1e-4?
 """
 
 from ngsolve import CF

@@ -8,6 +8,8 @@ What to look at: the pressure over the arc is half an ellipse.  The gap is measu
     and the mesh is curved, so that the shape of the roller is described once, by its geometry.
 Source: H. Hertz 1882; K. L. Johnson, Contact Mechanics, section 4.2.  With b the half width, b^2 = 4 P R/(pi E*) and
     p_0 = 2 P/(pi b), for b << R: here b/R = 1.2e-2.  The foundation yields p_0/k_n, `Softness` = 6e-4 of b^2/(2R).
+Ask: Which force makes the contact twice as wide?  With k_n = 1e5 in place of 1e7, how far is the pressure from half an
+    ellipse?  Which order, and which mesh at the arc, does one per cent of the largest pressure need?
 """
 
 from math import pi, sqrt

@@ -8,6 +8,8 @@ What to look at: the pressure over the spot is half an ellipsoid.  The spot has 
     mesh is fine at the cap, ten times coarser elsewhere, and curved.
 Source: H. Hertz 1882; K. L. Johnson, Contact Mechanics, section 3.4.  With a the radius of the spot, a^3 = 3 F R/(4 E*) and
     p_0 = 3 F/(2 pi a^2), for a << R: here a/R = 2e-2.  The foundation yields p_0/k_n, `Softness` = 2e-3 of a^2/R.
+Ask: Which force makes the spot twice as wide, and why is it not that of the roller?  How much of the error is that of
+    Hertz's own theory, which takes a/R for small?  What would the shear of a friction with the coefficient 0.3 change?
 """
 
 from math import pi

@@ -8,6 +8,8 @@ What to look at: the contact hardly changes, but slip enters from both of its en
     pull, to be shown one after the other.
 Source: C. Cattaneo 1938, R. D. Mindlin 1949; K. L. Johnson, Contact Mechanics, section 7.2: c/b = sqrt(1 - Q/(mu P)), c and b
     the half widths of stick and contact, for bodies without coupling of pressure and slip; nu near 1/2 has little of it.
+Ask: For which pull is the last point about to slide?  What does a state of `Steps` at half of the pull say that one step to
+    it does not?  With `SolveHistory`, what friction is left when the pull has been taken back to 0?
 """
 
 from math import sqrt

@@ -8,6 +8,8 @@ Problem: steel, E = 210000, nu = 0.3 [N/mm^2]; each bolt presses its ring with 1
 What to look at: nothing but the gasket holds the part: of 20 kN there are 6 left to press it, and these act 9.5 mm off the
     middle.  A rigid foot would lift off nowhere, as its core reaches to 80/6 = 13.3 mm; the elastic one bends too.
 Source: balance of forces and moments; a part of this project.
+Ask: At which bolt force does the foot lift off somewhere?  Does it slip first, or lift off?  Which of the two would a rigid
+    foot tell you wrong?
 """
 
 from netgen.occ import Box, Cylinder, Pnt, Y, Z

@@ -8,6 +8,8 @@ What to look at: P = 100 and Q = 35 N/mm meet the base Q H/P = 21 mm off its mid
     on springs keeps contact along 3 (50 - 21) = 87 mm, with the largest pressure 2 P/87; the elastic one nearly does.  It
     sticks in the middle and slips at both ends of the contact, although Q is less than friction could bear.
 Source: the rule of the middle third; the formulas are in `Compare`.
+Ask: At which shear does the block slide, and at which would it topple?  How much of the base sticks if the pressure is
+    twice as large?  Why does a stiffer foundation let more of the base lift off?
 """
 
 from ngsolve import CF

@@ -7,6 +7,8 @@ Problem: E = 2500, nu = 0.2; p_n = k r, friction coefficient 0.4; loads and Diri
 What to look at: the distance of u_k from the unilateral solution falls like 1/k.  `Study` shows nothing but that, because the
     limit is a piecewise polynomial of degree 4 and the mesh has vertices where its zones end.
 Source: penalty theory of Chouly and Hild, Appl. Numer. Math. 65 (2013): with 1/k of the size of h the rate in h is optimal.
+Ask: How stiff must the foundation be for 1 per cent in the energy norm?  Why does the distance not fall any more below some
+    k, on a mesh whose vertices are not at the ends of zones?  Which p_n other than a line would fall faster?
 """
 
 from ngdgc import Discretization, InteriorPenalty, NestedNewtonSolver

@@ -7,6 +7,8 @@ What to look at: greased below, it is half of a pad of thickness 40 that is bond
     resists like a material of modulus 4/3 E (1 + S^2).  H1 of order 1 finds several times that force: it locks.
 Source: A. N. Gent, P. B. Lindley, Proc. Inst. Mech. Eng. 173 (1959), for a long strip of incompressible rubber; an estimate, of
     wide pads, that is good to some per cent.
+Ask: How wrong is `--method h1 --order 1`, and how wrong with `--n 64`?  From which Poisson number on does it matter?  What
+    does the pad do when its lower side sticks?
 """
 
 from ngsolve import CF

@@ -7,6 +7,8 @@ What to look at: greased below, it is half of a bearing of height 20 that is bon
     resists like a material of modulus E (1 + 2 S^2).  H1 of order 1 locks, order 2 does not.
 Source: A. N. Gent, P. B. Lindley, Proc. Inst. Mech. Eng. 173 (1959), for a disc of incompressible rubber; an estimate, of wide
     discs, that is good to some per cent.
+Ask: Which order finds the force to 2 per cent with the fewest unknowns?  How much stiffer is a bearing of half the height?
+    Is the pressure on the plate uniform?
 """
 
 from math import pi

@@ -7,6 +7,8 @@ What to look at: the slab is a spring of stiffness G/H, softer than friction wea
     state that sticks and one that slips, and `Path` takes the one that is near where it comes from.  Its edges, where the
     pressure is uneven, let it loose earlier than the formula, which knows no edges.
 Source: the slider of J. R. Rice, A. L. Ruina, J. Appl. Mech. 50 (1983), without rates: G (pull - s)/H = mu(s) p.
+Ask: Between which pulls are there two solutions?  Which law of friction without a jump makes the path unique?  How does the
+    picture change when the slab is twice as high?
 """
 
 import numpy as np

@@ -8,6 +8,8 @@ Problem: aluminium, E = 70000, nu = 0.33 [N/mm^2]; the walls of the screw holes 
 What to look at: pad and screws share the load like springs side by side: on a pad ten times as soft, or as stiff, they change
     roles.  The pad is pressed under the bearing, less at the screws.
 Source: balance of forces; the file was written by `Write`.
+Ask: How large does the stiffness of the pad have to be to carry half of the load?  Which screw carries most, and why?  What
+    is the part of the load through the pad if the pad ends below the bearing?
 """
 
 from math import pi

@@ -7,6 +7,8 @@ Problem: plane strain, steel E = 210000, nu = 0.3, aluminium E = 70000, nu = 0.3
 What to look at: the right end has the stiffer ground but stands off.  A rigid block on springs sinks in by d + t x - g(x) with
     d and t from the balance of force and moment; the elastic one bends a little over it.
 Source: E. Winkler's foundation, two equations in `Rigid`.
+Ask: Which gap would let the block settle level?  Where is the largest stress, at the foundation or at the interface?  Does
+    the friction of 0.2 change forces that you would notice?
 """
 
 import numpy as np

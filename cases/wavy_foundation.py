@@ -8,6 +8,8 @@ What to look at: three times the load would flatten all of the waves; here conta
     only the mean pressure decides.  The pressure on them is thrice the mean one.
 Source: H. M. Westergaard 1939; K. L. Johnson, Contact Mechanics, section 13.2: p* = pi E* D/L flattens waves of amplitude D and
     length L, sin^2(pi b/L) = p/p* gives the half width b of a contact, 2 p/sin(pi b/L) the largest pressure.
+Ask: Which pressure flattens the waves, computed and by the formula?  What becomes of the contact when the waves are half as
+    long?  Which k_n is stiff enough to be called rigid here?
 """
 
 from math import asin, pi, sqrt

@@ -12,6 +12,7 @@ from tables import Escape, Relative, Table
 
 CASES = Path(__file__).parents[1] / "cases"
 SECTIONS = ("Question", "Domain", "Problem", "What to look at", "Source")
+ASKED = "Ask"           # the last section of a docstring: questions, with which the page ends
 FIGURES = {"SettingFigure": "The problem: the body, its supports and loads, and the foundation at its gap.",
            "DeformedFigure": "The deformed body, drawn at {scale:g} times the displacement.",
            "ContactFigure": "Pressure, friction and penetration on the contact boundary.",
@@ -51,8 +52,17 @@ def Fresh(page, newest):
 def Parts(text):
     """The docstring of a case as {"title": first line, section: text}."""
     title, _, rest = text.strip().partition("\n")
-    pieces = re.split(rf"^({'|'.join(SECTIONS)}): ", rest, flags=re.M)
+    pieces = re.split(rf"^({'|'.join([*SECTIONS, ASKED])}): ", rest, flags=re.M)
     return {"title": title.rstrip("."), **{name: " ".join(piece.split()) for name, piece in zip(pieces[1::2], pieces[2::2])}}
+
+
+def Questions(parts):
+    """What the page of a case asks its reader.
+
+    >>> Questions(Parts("Title.\\n\\nAsk: How deep?  And\\n    how far?"))
+    ['How deep?', 'And how far?']
+    """
+    return re.findall(r"[^?\s][^?]*\?", parts.get(ASKED, ""))
 
 
 def Index(files):
@@ -101,7 +111,8 @@ def WriteCase(path, folder):
     page += [*lines, "## Run it", "", "```sh",
              f"ngdgc run cases/{path.name} --out results/", "```", "",
              ":::{dropdown} Report", "```text", *solution.Report().splitlines(), "```", ":::", "",
-             "```{literalinclude} ../../cases/" + path.name, ":language: python", ":caption: cases/" + path.name, "```", ""]
+             "```{literalinclude} ../../cases/" + path.name, ":language: python", ":caption: cases/" + path.name, "```", "",
+             "## Questions", "", *(f"1. {Escape(question)}" for question in Questions(parts)), ""]
     (folder / f"{path.stem}.md").write_text("\n".join(page), encoding="utf-8")
 
 

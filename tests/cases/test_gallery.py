@@ -80,7 +80,7 @@ def test_every_case_runs_small(name, method):
 @pytest.mark.parametrize("name", CaseFiles())
 def test_every_case_asks_a_question(name):
     text = Case(name).__doc__
-    positions = [text.find(f"\n{part}") for part in ("Question:", "Domain:", "Problem:", "What to look at:", "Source:")]
+    positions = [text.find(f"\n{part}") for part in ("Question:", "Domain:", "Problem:", "What to look at:", "Source:", "Ask:")]
     assert positions == sorted(positions) and positions[0] > 0
     assert text[positions[0]:positions[1]].rstrip().endswith("?") and text.splitlines()[0].endswith(".")
 

@@ -194,13 +194,16 @@ def test_every_case_has_a_gallery_page(tmp_path):
     for path in files:
         parts = galleries.Parts(ast.get_docstring(ast.parse(path.read_text(encoding="utf-8"))))
         assert {"title", "Domain", "Problem", "What to look at", "Source"} <= set(parts), path.stem
+        assert len(galleries.Questions(parts)) == parts["Ask"].count("?") >= 3, path.stem
+    assert not galleries.Questions(galleries.Parts("Title.\n\nSource: why?"))
     assert "Domain" not in galleries.Parts("Title.\n\nDomian: a square.")
 
 
 @pytest.mark.slow
 def test_gallery_page_has_pictures_scene_and_numbers(tmp_path, monkeypatch):
     case = tmp_path / "winkler.py"
-    case.write_text('"""A column.\n\nQuestion: How deep?\nDomain: (0,1)^2.\nProblem: p_n = 100 r.\n"""\n'
+    case.write_text('"""A column.\n\nQuestion: How deep?\nDomain: (0,1)^2.\nProblem: p_n = 100 r.\n'
+                    'Ask: How deep with m = 2?  Why?\n"""\n'
                     "from ngdgc import *\nfrom ngdgc.exact import WinklerColumn\nfrom ngdgc.meshes import RectangleMesh\n\n\n"
                     "def Main(*, method=LDG(), order=1, n=2, callback=None):\n"
                     "    return Solve(Discretization(WinklerColumn().problem, method, RectangleMesh(n), order=order))\n\n\n"
@@ -211,6 +214,7 @@ def test_gallery_page_has_pictures_scene_and_numbers(tmp_path, monkeypatch):
     assert len(pictures) >= 3 and all((tmp_path / picture).stat().st_size > 5000 for picture in pictures)
     assert page.startswith("# A column\n") and "**Question.** How deep?" in page
     assert "\nngdgc run cases/winkler.py --out results/\n" in page
+    assert page.endswith("\n## Questions\n\n1. How deep with m = 2?\n1. Why?\n")
     assert re.search(r"\| u_n \[m\] \| 0\.3 \| 0\.3 \| [+-]\S+ % \|", page)
     assert "webgui" in (tmp_path / "winkler.scene.html").read_text(encoding="utf-8")
 

@@ -80,6 +80,29 @@ def test_every_exercise_has_one_cell_for_its_answer_and_a_text(path):
     assert "**Aim.**" in text and "## Questions" in text
 
 
+def Missing(notebook):
+    """What a reader is told before and after a notebook, of which it says nothing."""
+    first, last = ("".join(notebook["cells"][number]["source"]) for number in (0, -1))
+    parts = {"goals": re.search(r"\*\*After this notebook\*\* you can\n\n(\* .+;\n){2,}\* .+\.\n", first),
+             "what comes before": re.search(r"\*\*Before\.\*\* .+", first),
+             "minutes": re.search(r"\*\*Time\.\*\* (\d+) minutes, (\d+) of them for the exercises\.", first),
+             "try next": re.match(r"## Try this next\n\n(\* .+\n){2,}\* .+$", last)}
+    return [name for name, found in parts.items() if not found]
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_say_what_they_are_for_how_long_they_take_and_what_comes_next(path):
+    notebook = json.loads(path.read_text())
+    assert Missing(notebook) == []
+    total, exercises = map(int, re.search(r"(\d+) minutes, (\d+) of", "".join(notebook["cells"][0]["source"])).groups())
+    assert 10 <= exercises < total <= 90
+    links = re.findall(r"\]\((\w+\.ipynb)\)", "".join("".join(notebook["cells"][number]["source"]) for number in (0, -1)))
+    assert all((FOLDER / link).exists() for link in links)
+    notebook["cells"].pop()
+    notebook["cells"][0]["source"] = "".join(notebook["cells"][0]["source"]).replace("**Time.**", "").replace("**Before.**", "")
+    assert Missing(notebook) == ["what comes before", "minutes", "try next"]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
 def test_notebooks_run_without_errors_and_show_pictures(path, tmp_path):

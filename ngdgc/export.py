@@ -16,20 +16,22 @@ from ngsolve.webgui import Draw
 
 from .contracts import Array
 from .exceptions import ProblemError
+from .histories.history import LoadHistory
 from .mesh.facets import Coordinates, VolumePoints
-from .solution.fields import Field, FieldOf, SpatialStress, VonMises
+from .solution.fields import Field, FieldOf
 from .solution.magnification import Magnification
 from .solution.solution import CheckSolution, ContactSolution
-from .solution.vtkfiles import VERTEX, ElementGrid, WriteUnstructured
+from .solution.vtkfields import WriteBody, WriteContact, WriteSteps
 from .tools.calls import ByKeyword
+from .tools.kinds import Short
 from .tools.units import InUnits
+from .tools.values import Vectors
 
 CAMERA_ORDER = 4    # of the quadrature whose points the camera takes into view
 COLOURS = colormaps["viridis"](np.linspace(0, 1, 12))[:, :3].tolist()    # NGSolve's own rainbow is not colour-blind safe
 HEIGHT = 400        # of a scene in a notebook [pixels]
 LIGHT = {"ambient": 0.6, "diffuse": 0.4}
 NEGLIGIBLE = 0.01   # part of the largest |u| below which colours begin at 0
-SUBDIVISION = 3     # bisections of an element in VTK files at most: 8 intervals along an edge
 STYLE = """<style>
 body { font: 13px sans-serif; }
 .ngdgc { position: fixed; left: calc(60px + 12vh); right: 2%; bottom: 6px; text-align: center; pointer-events: none; }
@@ -214,26 +216,6 @@ def _Camera(shown: Sequence[ContactSolution], scale: float) -> dict[str, Any]:
 
 
 @ByKeyword
-def WriteVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
-    """Write a VTK file (.vtu) with every element's own points, so that the jumps of a DG solution are kept.
-
-    Fields at the points: `displacement`, 3 components (0, in 2D, appended) [length], ready for ParaView's WarpByVector;
-    `stress`, the 9 components row by row [stress], and `vonmises` [stress], both with the out-of-plane stress of the plane
-    state.  Elements are bisected order - 1 times, at most three times, as VTK draws linearly; pyramids are
-    written as two tetrahedra.  `path` with or without its suffix; returns the Path
-    of the file.
-    """
-    CheckSolution(solution)
-    disc, stress = solution.disc, SpatialStress(solution)
-    bisections = min(max(disc.order, disc.mesh.GetCurveOrder()) - 1, SUBDIVISION)
-    grid = ElementGrid(disc.facets, 2 ** bisections)
-    fields = {"displacement": solution.gfu, "stress": stress, "vonmises": VonMises(stress)}
-    values = {name: np.asarray(CF(field)(grid.points)).reshape(len(grid.points), -1) for name, field in fields.items()}
-    values["displacement"] = _Spatial(values["displacement"])
-    return WriteUnstructured(path, grid.coordinates, grid.cells, values)
-
-
-@ByKeyword
 def WriteCSV(solution: ContactSolution, path: str | PathLike[str]) -> Path:
     """Write the table of the contact points (`ContactSolution.Table`) as comma-separated text with a line of names.
 
@@ -250,20 +232,62 @@ def WriteCSV(solution: ContactSolution, path: str | PathLike[str]) -> Path:
 
 
 @ByKeyword
-def WriteContactVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
-    """Write a VTK file (.vtu) of the contact points, with what `ContactSolution` has there.
+def WriteVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
+    """Write a VTK file (.vtu) with every element's own points, so that the jumps of a DG solution are kept.
 
-    Fields at the points: `pressure`, `friction` (3 components), `bound` [stress]; `penetration`, `slip`, `gap`,
-    `displacement` [length]; `zones`, as numbered in `ngdgc.contact.graph.ZONES`; `normals`; `weights` [length^(d-1)].  `path`
-    with or without its suffix; returns the Path of the file.
+    Fields at the points: `displacement`, 3 components (0, in 2D, appended) [length], ready for ParaView's WarpByVector;
+    `stress`, the 9 components row by row [stress], and `vonmises` [stress], both with the out-of-plane stress of the plane
+    state.  The same fields of the cells are means: times areas or volumes of the cells, as in ParaView's Integrate Variables
+    or pyvista's `integrate_data`, they are the integrals over every element, also where it is curved; `weights` are these
+    sizes [length^d].
+    Elements are bisected order - 1 times, at most three times, as VTK draws linearly; pyramids are
+    written as two tetrahedra.  `path` with or without its suffix; returns the Path
+    of the file.
     """
     CheckSolution(solution)
-    names = ("pressure", "friction", "bound", "penetration", "slip", "displacement", "zones", "normals", "weights")
-    fields = {name: np.asarray(getattr(solution, name)) for name in names} | {"gap": solution.disc.contact.gap}
-    fields = {name: _Spatial(field) if field.ndim == 2 else field for name, field in fields.items()}
-    return WriteUnstructured(path, _Spatial(solution.points), [(VERTEX, np.arange(len(solution.points))[:, None])], fields)
+    return WriteBody(solution, path)
 
 
-def _Spatial(vectors: Array) -> Array:
-    """Vectors (n, d) with a third component 0 in 2D, (n, 3)."""
-    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))
+@ByKeyword
+def WriteContactVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
+    """Write a VTK file (.vtu) of Gamma_C, cut into a cell around every contact point, with what `ContactSolution` has there.
+
+    Fields of the cells: `pressure`, `friction` (3 components), `bound` [stress]; `penetration`, `slip`, `gap`,
+    `displacement` [length]; `zones`, as numbered in `ngdgc.contact.graph.ZONES`; `normals`; `point`, the number of the contact
+    point; `weights` [length^(d-1)], which are the lengths or areas of the cells where the sides are straight and flat, so that
+    there the integral of the pressure is `normalforce`; on curved sides that is the sum of pressure times weight.
+    `displacement` is a field at the corners too, for ParaView's WarpByVector.  `path` with or without its suffix; returns the
+    Path of the file.
+    """
+    CheckSolution(solution)
+    return WriteContact(solution, path)
+
+
+@ByKeyword
+def WriteSeries(solutions: LoadHistory | Sequence[ContactSolution], path: str | PathLike[str], *,
+                times: Sequence[float] | None = None) -> Path:
+    """Write a time series for ParaView (.pvd) of a LoadHistory, or of a list of solutions: the body and Gamma_C at every time.
+
+    The files of all times, as `WriteVTK` and `WriteContactVTK` write them, are in a folder beside it, with the name of the
+    series.  For ParaView, and pyvista's PVDReader, part 0 is the body and part 1 is Gamma_C.
+
+    times : (m,), increasing; None: those of the LoadHistory, or 1, ..., m.  `path` with or without its suffix .pvd; returns the
+        Path of the file
+
+    Raises ProblemError if there is no solution, or for times that do not fit.
+    """
+    path = Path(path)
+    if path.suffix != ".pvd":
+        path = path.with_name(path.name + ".pvd")
+    natural: Any = range(1, 1 + len(solutions)) if isinstance(solutions, (list, tuple)) else None
+    if isinstance(solutions, LoadHistory):
+        natural = solutions.times
+    if natural is None or not len(natural):
+        raise ProblemError(f"solutions is {Short(solutions)}; give a LoadHistory with a state, or a list of ContactSolutions")
+    for number, solution in enumerate(solutions if isinstance(solutions, (list, tuple)) else [], start=1):
+        CheckSolution(solution, f"solution {number}")
+    remedy = f"give {len(natural)} increasing numbers, one for each solution"
+    at = Vectors(natural if times is None else times, (len(natural),), "times", remedy)
+    if np.any(np.diff(at) <= 0):
+        raise ProblemError(f"times is {Short(times)}; {remedy}")
+    return WriteSteps(solutions, at.tolist(), path)

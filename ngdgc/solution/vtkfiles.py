@@ -18,10 +18,14 @@ from ..contracts import Array
 from ..mesh.facets import TYPES, VOLUME_TYPES, Coordinates, Facets
 
 # VTK's numbers of cells; and for the corners of a mirrored cell the order in which it is right.
-VERTEX, TRIANGLE, QUAD, TETRA, HEXAHEDRON, WEDGE = 1, 5, 9, 10, 12, 13
+LINE, TRIANGLE, POLYGON, QUAD, TETRA, HEXAHEDRON, WEDGE = 3, 5, 7, 9, 10, 12, 13
 MIRRORED = {TRIANGLE: [0, 2, 1], QUAD: [0, 3, 2, 1], TETRA: [0, 1, 3, 2], HEXAHEDRON: [0, 3, 2, 1, 4, 7, 6, 5],
             WEDGE: [0, 2, 1, 3, 5, 4]}
 CORNERS = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])     # of a square, in VTK's order
+# Simplices into which VTK cuts a cell to integrate over it; sides need not be flat.
+SIMPLICES: dict[int, Any] = {TRIANGLE: [(0, 1, 2)], QUAD: [(0, 1, 2), (0, 2, 3)], TETRA: [(0, 1, 2, 3)],
+                             HEXAHEDRON: [(0, 1, 3, 4), (1, 2, 3, 6), (1, 4, 5, 6), (3, 4, 6, 7), (1, 3, 4, 6)],
+                             WEDGE: [(0, 2, 1, 3), (1, 3, 5, 4), (1, 2, 5, 3)]}
 DTYPES = {"Float64": "<f8", "Int64": "<i8", "UInt8": "<u1", "UInt32": "<u4", "UInt64": "<u8"}
 
 
@@ -68,6 +72,7 @@ class ElementGrid:
     """All elements of a mesh cut into linear cells; every element has its own points.
 
     points : NGSolve's mesh points;  coordinates (m, 3);  cells : list of (VTK's number, corners (c, corners))
+    elements : of the cells, one after the other, their numbers (cells,)
     """
 
     def __init__(self, facets: Facets, n: int) -> None:
@@ -86,7 +91,7 @@ class ElementGrid:
         # The Jacobian of a pyramid has no limit at the apex.
         jacobian = np.asarray(specialcf.JacobianMatrix(dim, dim)(self.points)).reshape(-1, dim, dim)
         mirrored = np.add.reduceat(np.nan_to_num(np.linalg.det(jacobian)), starts) < 0
-        self.cells = []
+        self.cells, elements = [], []
         for count in np.unique(counts):
             _, cells, kind = patterns[TYPES[dim][count]]
             own = counts == count
@@ -94,11 +99,38 @@ class ElementGrid:
                 chosen = starts[own & (mirrored == turned)]
                 if len(chosen):
                     self.cells.append((kind, (chosen[:, None, None] + cells[:, order]).reshape(-1, cells.shape[1])))
+                    elements.append(np.repeat(np.flatnonzero(own & (mirrored == turned)), len(cells)))
+        self.elements = np.concatenate(elements)
+
+    def Sizes(self) -> Array:
+        """Areas or volumes of the cells, (cells,)."""
+        return np.concatenate([_Sizes(self.coordinates[corners[:, np.array(SIMPLICES[kind])]]) for kind, corners in self.cells])
+
+    def Means(self, values: Array, integrals: Array) -> Array:
+        """Values of the cells (cells, c) that times the sizes are the integrals over the elements (elements, c).
+
+        The means of values at the corners, from those at the points (m, c), with one correction for all cells of an element.
+        """
+        means = np.concatenate([values[corners].mean(axis=1) for _, corners in self.cells])
+        sizes = self.Sizes()
+        found = np.column_stack([np.bincount(self.elements, sizes * column, len(integrals)) for column in means.T])
+        whole = np.bincount(self.elements, sizes, len(integrals))
+        return means + ((integrals - found) / whole[:, None])[self.elements]
+
+
+def _Sizes(simplices: Array) -> Array:
+    """Sums over cells of the areas or volumes of their simplices (cells, simplices, corners, 3)."""
+    edges = simplices[:, :, 1:] - simplices[:, :, :1]
+    if edges.shape[2] == 2:
+        return np.linalg.norm(np.cross(edges[:, :, 0], edges[:, :, 1]), axis=2).sum(axis=1) / 2
+    return np.abs(np.linalg.det(edges)).sum(axis=1) / 6
 
 
 def WriteUnstructured(path: str | PathLike[str], coordinates: Array, cells: list[tuple[int, Any]],
-                      fields: dict[str, Array]) -> Path:
+                      fields: dict[str, Array], cellfields: dict[str, Array]) -> Path:
     """Write points (m, 3), cells as `ElementGrid` has them, and {name: values at the points, (m,) or (m, components)}.
+
+    cellfields : the same of the cells, in their order
 
     path : with or without its suffix .vtu; returns the Path of the file
     """
@@ -109,9 +141,11 @@ def WriteUnstructured(path: str | PathLike[str], coordinates: Array, cells: list
     kinds = np.concatenate([np.full(len(corners), kind, dtype=np.uint8) for kind, corners in cells])
     topology = {"connectivity": np.concatenate([corners.ravel() for _, corners in cells]), "offsets": np.cumsum(sizes),
                 "types": kinds}
-    header = "UInt32" if max(array.nbytes for array in (coordinates, *fields.values())) < 2 ** 32 else "UInt64"
+    largest = max(array.nbytes for array in (coordinates, *fields.values(), *cellfields.values()))
+    header = "UInt32" if largest < 2 ** 32 else "UInt64"
     lines, blocks = list[str](), list[bytes]()
-    for section, arrays in (("Points", {"Points": coordinates}), ("Cells", topology), ("PointData", fields)):
+    for section, arrays in (("Points", {"Points": coordinates}), ("Cells", topology), ("CellData", cellfields),
+                            ("PointData", fields)):
         lines.append(f"<{section}>")
         for name, array in arrays.items():
             kind = {"f": "Float64", "u": "UInt8", "i": "Int64"}[array.dtype.kind]

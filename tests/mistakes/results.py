@@ -7,7 +7,7 @@ from problems import Example
 
 from ngdgc import EstimateError, Solve
 from ngdgc.errors import EnergyError, L2Error, StrainError
-from ngdgc.export import Animation
+from ngdgc.export import Animation, WriteSeries
 from ngdgc.plots import ComparisonFigure, DeformedFigure, ErrorFigure, FieldFigure, LineFigure, SettingFigure
 
 RESULTS = [
@@ -43,6 +43,8 @@ RESULTS = [
      "disc is ContactSolution( | a Discretization | that of a solution is solution.disc"),
     (lambda _: Animation([Solve(Disc())], field=x), "field is | a function of one state | give the name of a field"),
     (lambda _: Animation([]), "given are 0 | of one dimension and order | give load steps of one Discretization"),
+    (lambda _: WriteSeries([], "series"), "solutions is [] | a list of ContactSolutions | give a LoadHistory with a state"),
+    (lambda _: WriteSeries([Solve(Disc())] * 2, "series", times=(1, 1)), "times is (1, 1) | 2 increasing numbers | give"),
     (lambda _: Solve(Disc()).At(9, 9), "point (9.0, 9.0) lies in no element | from (0.0, 0.0) to (1.0, 1.0) | give a point of"),
     # Errors against other displacements.
     (lambda _: EnergyError(solution := Solve(Disc()), Grad(solution.gfu)[0, :]),

@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 import time
 from pathlib import Path
 
@@ -38,7 +39,8 @@ def test_what_should_not_come_is_found(monkeypatch):
     faults = [record for record in records if record.fault]
     assert faults and all(".py:" in record.detail for record in faults)
     again = Attempt(3, faults[0].number)
-    assert (again.name, again.words, again.outcome) == (faults[0].name, faults[0].words, faults[0].outcome)
+    same, other = (re.sub("0x[0-9a-f]+", "", record.words) for record in (again, faults[0]))    # addresses are never the same
+    assert (again.name, same, again.outcome) == (faults[0].name, other, faults[0].outcome)
     assert f"FAULT {faults[0].number}: " in Tally(records)
 
 

@@ -283,6 +283,8 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "parameter": lambda s: s.parameter,
     "times": lambda s: s.Choose([0.5, 1], np.array([0.3, 1, 2])),
     "SolveHistory.disc": lambda s: s.led,
+    "WriteSeries.solutions": lambda s: s.Choose(s.loadhistory, [s.solution, s.solution]),
+    "WriteSeries.times": lambda s: s.Choose(None, (0, 1)),
     "SolveHistory.solver": lambda s: None,
     "SolveHistory.start": lambda s: None,
     "states": lambda s: None,

@@ -1,0 +1,74 @@
+"""What files for VTK hold of a solution: fields in the elements, and the contact quantities on cells around their points."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+import numpy as np
+from ngsolve import CF, Integrate
+
+from ..contracts import Array
+from .fields import SpatialStress, VonMises
+from .pointcells import ContactCells
+from .vtkfiles import LINE, POLYGON, ElementGrid, WriteUnstructured
+
+SUBDIVISION = 3     # bisections of an element at most: 8 intervals along an edge
+
+
+def WriteBody(solution: Any, path: str | PathLike[str]) -> Path:
+    """The file of `export.WriteVTK`."""
+    disc, stress = solution.disc, SpatialStress(solution)
+    degree = max(disc.order, disc.mesh.GetCurveOrder())
+    grid = ElementGrid(disc.facets, 2 ** min(degree - 1, SUBDIVISION))
+    fields = {"displacement": CF(solution.gfu), "stress": stress, "vonmises": VonMises(stress)}
+    values, means = {}, {}
+    for name, field in fields.items():
+        values[name] = np.asarray(field(grid.points)).reshape(len(grid.points), -1)
+        # Of curved elements the integrand is a polynomial of more than their degree.
+        integrals = [np.array(Integrate(part, disc.mesh, order=3 * degree, element_wise=True)) for part in _Components(field)]
+        means[name] = grid.Means(values[name], np.column_stack(integrals))
+    for arrays in (values, means):
+        arrays["displacement"] = _Spatial(arrays["displacement"])
+    return WriteUnstructured(path, grid.coordinates, grid.cells, values, means | {"weights": grid.Sizes()})
+
+
+def WriteContact(solution: Any, path: str | PathLike[str]) -> Path:
+    """The file of `export.WriteContactVTK`."""
+    contact, cells = solution.disc.contact, ContactCells(solution.disc)
+    names = ("pressure", "friction", "bound", "penetration", "slip", "displacement", "zones", "normals")
+    fields = {name: np.asarray(getattr(solution, name)) for name in names} | {"gap": contact.gap}
+    fields = {name: (_Spatial(field) if field.ndim == 2 else field)[contact.members] for name, field in fields.items()}
+    fields |= {"weights": cells.weights, "point": contact.members}
+    displacement = np.asarray(solution.gfu(cells.points)).reshape(len(cells.points), -1)
+    kind = LINE if solution.disc.mesh.dim == 2 else POLYGON
+    return WriteUnstructured(path, _Spatial(cells.coordinates), [(kind, corners[None]) for corners in cells.corners],
+                             {"displacement": _Spatial(displacement)}, fields)
+
+
+def WriteSteps(solutions: Iterable[Any], times: Sequence[float], path: Path) -> Path:
+    """The files of `export.WriteSeries`, one solution after the other: a LoadHistory finds each when it is asked for."""
+    folder = path.with_suffix("")
+    folder.mkdir(parents=True, exist_ok=True)
+    lines = []
+    for number, (time, solution) in enumerate(zip(times, solutions)):
+        for part, (name, Write) in enumerate((("body", WriteBody), ("contact", WriteContact))):
+            file = Write(solution, folder / f"{name}-{number:04d}.vtu")
+            lines.append(f'<DataSet timestep="{time!r}" group="" part="{part}" name="{name}" '
+                         f'file="{escape(folder.name)}/{file.name}"/>')
+    text = "\n".join(['<?xml version="1.0"?>', '<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">',
+                      "<Collection>", *lines, "</Collection>", "</VTKFile>", ""])
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def _Components(field: Any) -> list[Any]:
+    return [field[place if len(place) > 1 else place[0]] for place in np.ndindex(*field.dims)] if field.dim > 1 else [field]
+
+
+def _Spatial(vectors: Array) -> Array:
+    """Vectors (n, d) with a third component 0 in 2D, (n, 3)."""
+    return np.pad(vectors, ((0, 0), (0, 3 - vectors.shape[1])))

@@ -19,6 +19,7 @@ from ..exceptions import ProblemError
 from ..mesh.facets import Facets
 from ..mesh.pieces import Pieces
 from ..mesh.quadrature import BoundaryQuadrature
+from ..problem.joint import Joint
 from ..problem.problem import ContactProblem
 from .directions import LawNormals, Unit
 from .parts import CheckFinite, ContactPart, OverParts
@@ -48,7 +49,8 @@ class ContactBoundary:
     boundaryelements, members : (pairs,), the pairs of a boundary element and a contact point on it; of discontinuous methods
         every point is in one pair
     measures : (n,) of the facet, or the mean of several [length^(d-1)]
-    trace : sparse ((n i), ndof), row n d + i gives component i of u_h at point n
+    trace : sparse ((n i), ndof), row n d + i gives component i of u_h, on a joint of its jump [u_h], at point n
+    joined : (n,) True on joints;  beyond : mesh points on their second side, elsewhere those of `inside`
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of `ContactPart`, one for each foundation, in the order of the points
     origin : u_t of the state from which slip counts (n, d) [length]; None: the undeformed body
@@ -59,12 +61,21 @@ class ContactBoundary:
     def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any,
                  pieces: Pieces | None = None) -> None:
         # Over the quadrature points of all foundations, which are the pairs; then over the n contact points.
-        parts = [BoundaryQuadrature.On(facets, foundation.boundary, rules, pieces=pieces) for foundation in problem.foundation]
+        joints = [isinstance(foundation, Joint) for foundation in problem.foundation]
+        # The side of a joint of which n is the outward normal.
+        side = np.where(facets.interfaces.sign > 0, 0, 1) if any(joints) else 0
+        parts = [BoundaryQuadrature.On(facets, foundation.boundary, rules, side=side, pieces=pieces)
+                 for foundation in problem.foundation]
         points, inside, coordinates, normals, weights, self.boundaryelements = (
             np.concatenate([getattr(part, name) for part in parts])
             for name in ("points", "inside", "coordinates", "normals", "weights", "boundaryelements"))
         owner = np.repeat(np.arange(len(parts)), [len(part.weights) for part in parts])
         dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
+        self.joined, self.beyond = np.array(joints)[owner], inside.copy()
+        if any(joints):
+            self.beyond = np.concatenate([BoundaryQuadrature.On(facets, foundation.boundary, rules, side=1 - side, pieces=pieces)
+                                          .inside for foundation in problem.foundation])
+            trace = trace - sp.diags(np.repeat(self.joined, dim).astype(float)) @ TraceMatrix(space, scalar, self.beyond)
         self.members = SharedPoints(trace[::dim], normals, owner)           # pairs -> n
         _, first = np.unique(self.members, return_index=True)
         self.weights = cast(Array, np.bincount(self.members, weights))
@@ -75,8 +86,10 @@ class ContactBoundary:
                       for foundation, part in zip(problem.foundation, parts)]
         self.outward, self.normals = Unit(mean @ normals), Unit(mean @ np.concatenate(directions))
         self.coordinates, self.inside, points, owner = coordinates[first], inside[first], points[first], owner[first]
+        self.beyond, self.joined = self.beyond[first], self.joined[first]
         self.trace = trace[(first[:, None] * dim + np.arange(dim)).ravel()]
-        self.flexibility = np.ptp(self.coordinates, axis=0).max() / problem.material.ShearAt(self.inside).min()
+        self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(problem.material.ShearAt(points).min() for points in ((self.inside, self.beyond)
+                                                                                  if any(joints) else (self.inside,)))
         self.gap = np.empty(len(self.weights))
         self.parts = []
         for place, foundation in enumerate(problem.foundation):

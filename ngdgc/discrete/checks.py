@@ -51,9 +51,22 @@ def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
                                    f"{region!r}; the parts of the boundary must not overlap: give it to one of them")
         found.append((kind, region, on))
         CheckBoundary(facets, region)
-        if np.any(facets.neighbours[on] > 1):
+        if kind == "joint":
+            if np.any(facets.neighbours[on] < 2):
+                raise ProblemError(f"joint region {region!r} contains facets of the outer boundary; a joint lies between two "
+                                   "elements: give a Foundation there, or name the interface alone")
+        elif np.any(facets.neighbours[on] > 1):
             raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
-                               "conditions are for the outer boundary only: rename the interface or the region")
+                               "give a Joint there, or rename the interface or the region")
+
+
+def CheckJoints(problem: ContactProblem, method: Method, assembly: str) -> None:
+    """Joints need functions that jump there, and a form that leaves their facets out."""
+    if problem.joints and not method.discontinuous:
+        raise ProblemError(f"method {method.name} has continuous displacements, which do not jump on joint {problem.joints[0]!r}; "
+                           "take a discontinuous method such as LDG()")
+    if problem.joints and assembly == "skeleton":
+        raise ProblemError(f"assembly is 'skeleton', which couples elements across joint {problem.joints[0]!r}; take 'facet'")
 
 
 def CheckSpace(method: Method, space: Any, scalar: Any, mesh: Mesh, clamped: str) -> None:

@@ -25,7 +25,7 @@ from ..tools.memory import CheckAssembly
 from ..tools.names import NameOf
 from ..tools.values import Among, Order
 from .added import AddedForms
-from .checks import CheckData, CheckMesh, CheckPart, CheckRegions, CheckSpace
+from .checks import CheckData, CheckJoints, CheckMesh, CheckPart, CheckRegions, CheckSpace
 from .frozen import Frozen, OfMatrix, Twin
 from .loads import GivenTractions, Loads
 from .restraints import Restraints
@@ -66,7 +66,8 @@ class DiscreteProblem(LinearEquations):
         self.method: Any = method
         self.problem, self.mesh, self.order, self.assembly = problem, mesh, order, assembly
         self.wanted = inverse
-        self.facets = Facets(mesh)
+        self.facets = Facets(mesh, problem.joints)
+        CheckJoints(problem, method, assembly)
         CheckRegions(problem, mesh, self.facets)
         self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
         self.derived: dict[str, Any] = {}

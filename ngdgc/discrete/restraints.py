@@ -38,7 +38,10 @@ class Restraints:
                  added: sp.csr_matrix | None) -> None:
         self.facets, self.contact = facets, contact
         self._supports, self._foundations = Supports(problem, facets, contact)
-        self._springs = np.zeros_like(self._supports) if added is None else Springs(facets, space, added)
+        self._springs = np.zeros_like(self._supports)
+        if added is not None:
+            springs = Springs(facets, space, added)
+            self._springs = Together(springs) if np.any(contact.joined) else springs
 
     @cached_property
     def loose(self) -> str | None:
@@ -80,11 +83,23 @@ def Supports(problem: ContactProblem, facets: Facets, contact: ContactBoundary) 
                 motions = np.einsum("cmnd,nd->cmn", motions, quadrature.normals)[..., None]
             held += np.einsum("camd,cbmd,m->cab", motions, motions, quadrature.weights)
     motions = _CentredMotions(facets, contact.coordinates, contact.inside["nr"])
+    if np.any(contact.joined):      # a joint resists what its two sides do apart, over the motions of all parts at once
+        motions -= contact.joined[:, None] * _CentredMotions(facets, contact.coordinates, contact.beyond["nr"])
+        held, touched = Together(held), np.zeros((1, parts * modes, parts * modes))
+        motions = motions.reshape(1, parts * modes, *motions.shape[2:])
     across = np.einsum("cmnd,nd->cmn", motions, contact.normals)[..., None]
     along = motions - across * contact.normals
     for resisted, resists in zip((across, along), _Resistance(facets, contact)):
         touched += np.einsum("camd,cbmd,m->cab", resisted, resisted, contact.weights * resists)
     return held, touched
+
+
+def Together(grams: Array) -> Array:
+    """The matrices (parts, modes, modes) as one of the motions of all parts, (1, parts modes, parts modes)."""
+    parts, modes, _ = grams.shape
+    together = np.zeros((parts, modes, parts, modes))
+    together[np.arange(parts), :, np.arange(parts), :] = grams
+    return together.reshape(1, parts * modes, parts * modes)
 
 
 def _Resistance(facets: Facets, contact: ContactBoundary) -> tuple[np.ndarray, np.ndarray]:
@@ -159,6 +174,11 @@ def _Words(null: Array, facets: Facets, part: int) -> str:
     """Words for a basis of free motions, over translations and rotations."""
     dim = facets.mesh.dim
     centre = _Centres(facets)[0][part]
+    modes = len(RigidMotionsAt(np.zeros((1, dim))))
+    if null.shape[1] > modes:       # of all parts at once: the part that moves most
+        part = int(np.argmax((null.reshape(len(null), -1, modes) ** 2).sum(axis=(0, 2))))
+        null = null[:, part * modes:(part + 1) * modes]
+        centre = _Centres(facets)[0][part]
     words = [f"translation along {axis}" for axis in "xyz"[:dim]]
     if dim == 2:
         words.append(f"rotation about ({centre[0]:.3g}, {centre[1]:.3g})")

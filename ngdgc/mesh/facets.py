@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 
@@ -112,8 +112,8 @@ class Facets:
     facets, in the numbering of FacetFESpace.
     """
 
-    def __init__(self, mesh: Mesh) -> None:
-        self.mesh, self.space = mesh, FacetFESpace(mesh, order=0)
+    def __init__(self, mesh: Mesh, joints: Iterable[str] = ()) -> None:
+        self.mesh, self.space, self.joints = mesh, FacetFESpace(mesh, order=0), tuple(joints)
         # The dofs of this space are the sides of the elements, in the elements' local order.
         v, number = Discontinuous(self.space).TestFunction(), self.Function(np.arange(self.space.ndof))
         with Threads(mesh):
@@ -182,11 +182,19 @@ class Facets:
         return Interfaces(self)
 
     @cached_property
+    def cut(self) -> np.ndarray:
+        """True for the facets of joints, across which nothing hangs together, over facets."""
+        cut = np.zeros(len(self.neighbours), dtype=bool)
+        for region in self.joints:
+            cut |= self.On(region)
+        return cut
+
+    @cached_property
     def component(self) -> np.ndarray:
         """Number of the connected part of the mesh, over elements; parts hang together through facets."""
         # Every element points to one of its part with a smaller number, or is the smallest; scipy.sparse.csgraph takes longer
         # to import than this takes.
-        inside = self.incidence.indptr[:-1][self.neighbours > 1]
+        inside = self.incidence.indptr[:-1][(self.neighbours > 1) & ~self.cut]
         first, second = (self.incidence.indices[inside + side] for side in (0, 1))
         smallest = np.arange(self.mesh.ne)
         while np.any(apart := smallest[first] != smallest[second]):

@@ -41,10 +41,11 @@ class BoundaryQuadrature:
         return self.points["nr"]
 
     @classmethod
-    def On(cls, facets: Facets, region: str, rules: Any, *, side: int = 0, pieces: Pieces | None = None) -> BoundaryQuadrature:
+    def On(cls, facets: Facets, region: str, rules: Any, *, side: Any = 0, pieces: Pieces | None = None) -> BoundaryQuadrature:
         """The quadrature by `rules`: {boundary element type: IntegrationRule}, or the degree of NGSolve's rules.
 
-        side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other
+        side : of two elements at a facet inside the body 0 takes the one with the smaller number as adjacent, 1 the other;
+            one for all, or one for each facet
         pieces : {number of a boundary element: its parts}, on each of which the rule is applied; the other ones are whole
 
         Every side of an element counts once, however often the mesh has it; boundary elements that are none do not count.
@@ -58,7 +59,8 @@ class BoundaryQuadrature:
         inside["VorB"] = 0
         starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))              # e: first points of the boundary elements
         facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
-        volumes = facets.incidence.indices[facets.incidence.indptr[facet] + np.minimum(side, facets.neighbours[facet] - 1)]
+        volumes = facets.incidence.indices[facets.incidence.indptr[facet] + np.minimum(side if np.ndim(side) == 0 else side[facet],
+                                                                                  facets.neighbours[facet] - 1)]
         around = facets.vertices[volumes]           # vertices of the elements inside, (e, most); `vertices` those of the sides
         # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
         corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)

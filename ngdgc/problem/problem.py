@@ -16,6 +16,7 @@ from ..tools.formula import Described
 from ..tools.units import CheckUnits
 from ..tools.values import IsNumber
 from .foundation import Foundation
+from .joint import Joint
 from .materials import AnisotropicMaterial, HookeMaterial
 
 
@@ -124,7 +125,12 @@ class ContactProblem:
             for region in getattr(self, kind):
                 yield kind, region
         for foundation in self.foundation:
-            yield "foundation", foundation.boundary
+            yield ("joint" if isinstance(foundation, Joint) else "foundation"), foundation.boundary
+
+    @property
+    def joints(self) -> list[str]:
+        """The regions of joints."""
+        return [region for kind, region in self.Regions() if kind == "joint"]
 
 
 def _Regions(values: Any, name: str, convert: Callable[..., Any]) -> Mapping[str, Any]:

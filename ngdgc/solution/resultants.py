@@ -19,6 +19,7 @@ from ..discrete.problem import DiscreteProblem
 from ..linear.motions import ProjectedMotions
 from ..mesh.facets import Free, RigidMotionsAt, VolumePoints
 from ..methods.symbolform import Coefficients
+from ..problem.joint import Joint
 from ..tools.calls import ByKeyword
 from .conformingtractions import AddedForce
 
@@ -33,7 +34,8 @@ BALANCE = 1e-6      # `EquilibriumResidual` of a converged solution at most; rou
 class Resultant:
     """Force on the body (d,) [stress length^(d-1)] and its moment about the origin (1,) in 2D or (3,) [stress length^d].
 
-    kind : "dirichlet", "roller", "traction", "force", "spring", "foundation", "bodyforce", or "added" for the user's own forms
+    kind : "dirichlet", "roller", "traction", "force", "spring", "foundation", "joint" (on its first side),
+        "bodyforce", or "added" for the user's own forms
     integrated : (force, moment) of int C eps(u_h) n over the region where it differs from the reported value, the strongly
         imposed displacements of H1; None elsewhere
     """
@@ -75,7 +77,7 @@ def Resultants(solution: Any) -> list[Resultant]:
     for part in contact.parts:
         here = part.points
         modes = -np.einsum("cnd,nd,n->c", motions[:, here], solution.traction[here], contact.weights[here])
-        found.append(Resultant("foundation", part.foundation.boundary, *Split(modes)))
+        found.append(Resultant("joint" if isinstance(part.foundation, Joint) else "foundation", part.foundation.boundary, *Split(modes)))
     return found
 
 
@@ -101,7 +103,8 @@ def _StrongReactions(solution: Any) -> Iterator[tuple[str, Array, Array]]:
 @ByKeyword
 def GlobalImbalance(solution: Any) -> float:
     """Largest component of the sum of all forces and moments, relative to the largest single one or to `ElasticForce`."""
-    modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in solution.Resultants()])
+    modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in solution.Resultants()
+                      if resultant.kind != "joint"])     # whose two sides balance
     return float(np.abs(modes.sum(axis=0)).max() / max(np.abs(modes).max(), ElasticForce(solution)))
 
 

@@ -73,8 +73,9 @@ class ContactBoundary:
         dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
         self.joined, self.beyond = np.array(joints)[owner], inside.copy()
         if any(joints):
-            self.beyond = np.concatenate([BoundaryQuadrature.On(facets, foundation.boundary, rules, side=1 - side, pieces=pieces)
-                                          .inside for foundation in problem.foundation])
+            others = [BoundaryQuadrature.On(facets, foundation.boundary, rules, side=1 - side, pieces=pieces)
+                      for foundation in problem.foundation]
+            self.beyond = np.concatenate([other.inside for other in others])
             trace = trace - sp.diags(np.repeat(self.joined, dim).astype(float)) @ TraceMatrix(space, scalar, self.beyond)
         self.members = SharedPoints(trace[::dim], normals, owner)           # pairs -> n
         _, first = np.unique(self.members, return_index=True)
@@ -88,8 +89,8 @@ class ContactBoundary:
         self.coordinates, self.inside, points, owner = coordinates[first], inside[first], points[first], owner[first]
         self.beyond, self.joined = self.beyond[first], self.joined[first]
         self.trace = trace[(first[:, None] * dim + np.arange(dim)).ravel()]
-        self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(problem.material.ShearAt(points).min() for points in ((self.inside, self.beyond)
-                                                                                  if any(joints) else (self.inside,)))
+        sides = (self.inside, self.beyond) if any(joints) else (self.inside,)
+        self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(problem.material.ShearAt(at).min() for at in sides)
         self.gap = np.empty(len(self.weights))
         self.parts = []
         for place, foundation in enumerate(problem.foundation):

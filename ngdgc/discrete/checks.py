@@ -63,8 +63,8 @@ def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
 def CheckJoints(problem: ContactProblem, method: Method, assembly: str) -> None:
     """Joints need functions that jump there, and a form that leaves their facets out."""
     if problem.joints and not method.discontinuous:
-        raise ProblemError(f"method {method.name} has continuous displacements, which do not jump on joint {problem.joints[0]!r}; "
-                           "take a discontinuous method such as LDG()")
+        raise ProblemError(f"method {method.name} has continuous displacements, which do not jump on joint "
+                           f"{problem.joints[0]!r}; take a discontinuous method such as LDG()")
     if problem.joints and assembly == "skeleton":
         raise ProblemError(f"assembly is 'skeleton', which couples elements across joint {problem.joints[0]!r}; take 'facet'")
 

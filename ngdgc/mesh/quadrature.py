@@ -59,8 +59,8 @@ class BoundaryQuadrature:
         inside["VorB"] = 0
         starts = np.flatnonzero(np.diff(points["nr"], prepend=-1))              # e: first points of the boundary elements
         facet, _, vertices = (array[points["nr"][starts]] for array in facets.boundary)
-        volumes = facets.incidence.indices[facets.incidence.indptr[facet] + np.minimum(side if np.ndim(side) == 0 else side[facet],
-                                                                                  facets.neighbours[facet] - 1)]
+        chosen = np.minimum(side if np.ndim(side) == 0 else side[facet], facets.neighbours[facet] - 1)
+        volumes = facets.incidence.indices[facets.incidence.indptr[facet] + chosen]
         around = facets.vertices[volumes]           # vertices of the elements inside, (e, most); `vertices` those of the sides
         # Number of each corner among the vertices of the element inside, and how many vertices that has: few combinations.
         corner = np.where(vertices >= 0, (vertices[:, :, None] == around[:, None]).argmax(axis=2), -1)

@@ -77,7 +77,8 @@ def Resultants(solution: Any) -> list[Resultant]:
     for part in contact.parts:
         here = part.points
         modes = -np.einsum("cnd,nd,n->c", motions[:, here], solution.traction[here], contact.weights[here])
-        found.append(Resultant("joint" if isinstance(part.foundation, Joint) else "foundation", part.foundation.boundary, *Split(modes)))
+        kind = "joint" if isinstance(part.foundation, Joint) else "foundation"
+        found.append(Resultant(kind, part.foundation.boundary, *Split(modes)))
     return found
 
 

@@ -17,6 +17,7 @@ from .methods.penaltyfree import PenaltyFreeLDG
 from .methods.rows import LDG, BassiEtAl, BrezziEtAl, IncompleteInteriorPenalty, InteriorPenalty, NonsymmetricInteriorPenalty
 from .problem.foundation import Foundation
 from .problem.hypotheses import CheckLaws
+from .problem.joint import Joint
 from .problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction, SlipWeakeningFriction,
                            TrescaFriction)
 from .problem.materials import AnisotropicMaterial, HookeMaterial
@@ -32,7 +33,7 @@ __version__ = "0.2.0"
 __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
            "EstimateError", "EstimateForce", "EstimateZones", "Foundation", "FrictionLaw", "HookeMaterial",
-           "IncompleteInteriorPenalty", "InteriorPenalty", "LDG", "Lifting", "LoadHistory", "MultiStart", "NestedNewtonSolver",
-           "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG", "PowerFriction",
+           "IncompleteInteriorPenalty", "InteriorPenalty", "Joint", "LDG", "Lifting", "LoadHistory", "MultiStart",
+           "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG", "PowerFriction",
            "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveHistory",
            "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]

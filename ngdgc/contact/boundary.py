@@ -19,7 +19,6 @@ from ..exceptions import ProblemError
 from ..mesh.facets import Facets
 from ..mesh.pieces import Pieces
 from ..mesh.quadrature import BoundaryQuadrature
-from ..problem.joint import Joint
 from ..problem.problem import ContactProblem
 from .directions import LawNormals, Unit
 from .parts import CheckFinite, ContactPart, OverParts
@@ -61,7 +60,7 @@ class ContactBoundary:
     def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any,
                  pieces: Pieces | None = None) -> None:
         # Over the quadrature points of all foundations, which are the pairs; then over the n contact points.
-        joints = [isinstance(foundation, Joint) for foundation in problem.foundation]
+        joints = [foundation.kind == "joint" for foundation in problem.foundation]
         # The side of a joint of which n is the outward normal.
         side = np.where(facets.interfaces.sign > 0, 0, 1) if any(joints) else 0
         parts = [BoundaryQuadrature.On(facets, foundation.boundary, rules, side=side, pieces=pieces)
@@ -96,7 +95,7 @@ class ContactBoundary:
         for place, foundation in enumerate(problem.foundation):
             here = slice(*np.searchsorted(owner, [place, place + 1]))
             region = facets.mesh.Boundaries(foundation.boundary)
-            self.gap[here] = ValuesAt(foundation.gap, points[here], f"foundation {foundation.boundary!r}: gap", region)
+            self.gap[here] = ValuesAt(foundation.gap, points[here], f"{foundation.kind} {foundation.boundary!r}: gap", region)
             self.parts.append(ContactPart.On(foundation, here, points[here], region))
 
     @property

@@ -32,7 +32,7 @@ class ContactPart:
     @classmethod
     def On(cls, foundation: Foundation, points: slice, meshpoints: Any, region: Any) -> ContactPart:
         """The part of a foundation on a boundary region, with laws evaluated at mesh points, and checked."""
-        name, count = f"foundation {foundation.boundary!r}", points.stop - points.start
+        name, count = f"{foundation.kind} {foundation.boundary!r}", points.stop - points.start
         compliance: Any = LawAt(foundation.compliance, meshpoints, f"{name}: ", region)
         CheckCompliance(compliance, count, name)
         friction: Any = None

@@ -51,7 +51,7 @@ def Data(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
     """(name, value) of everything that a problem is given by, as messages call it."""
     yield from ((f"material: {name}", value) for name, value in vars(problem.material).items())
     for foundation in problem.foundation:
-        where = f"foundation {foundation.boundary!r}"
+        where = f"{foundation.kind} {foundation.boundary!r}"
         yield f"{where}: gap", foundation.gap
         yield f"{where}: normal", foundation.normal
         for role in ("compliance", "friction"):

@@ -15,7 +15,7 @@ from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
-from .estimate import ErrorEstimate, RefuseSprings, Relative
+from .estimate import ErrorEstimate, RefuseJoints, RefuseSprings, Relative
 from .lawpart import LawPart
 from .loadquadrature import LoadQuadrature
 from .oscillation import BodyOscillation, TractionOscillation
@@ -80,6 +80,7 @@ def _Check(solution: Any) -> None:
         raise ProblemError(f"method {disc.method.name} has a form of its own; errors are estimated for those whose Form is a "
                            "FacetForm, as all methods of ngdgc have it")
     RefuseSprings(disc.problem)
+    RefuseJoints(disc.problem)
     if disc.added:
         raise ProblemError("forms were added, whose forces the numerical flux does not know; errors are estimated of problems "
                            "without them")

@@ -67,6 +67,13 @@ def Relative(solution: Any, value: float) -> float:
     return float(value / size if size else value and np.inf)
 
 
+def RefuseJoints(problem: ContactProblem) -> None:
+    """Raise ProblemError for a problem with joints."""
+    if problem.joints:
+        raise ProblemError(f"the problem has joint {problem.joints[0]!r}, across which displacements jump, and estimates are of "
+                           "bodies that press against foundations alone; compare solutions on finer meshes or of higher order")
+
+
 def RefuseSprings(problem: ContactProblem) -> None:
     """Raise ProblemError for a problem with springs."""
     if problem.spring:

@@ -12,6 +12,7 @@ from ..contracts import Array
 from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .contactresidual import FINE, Softest
+from .estimate import RefuseJoints
 
 
 @ByKeyword
@@ -28,7 +29,7 @@ def EstimateZones(solution: Any) -> dict[str, float]:
     An error of the whole, as of a coarse mesh far from Gamma_C, is not seen, and where tractions leave the law or come to it
     slowly, like the third power of the distance, ends may be off by five times that.
 
-    solution : ContactSolution of any method;  ProblemError for anything else
+    solution : ContactSolution of any method;  ProblemError for anything else, and with joints
 
     >>> from ngdgc.cases import example_4_2
     >>> solution = example_4_2.Main(order=2, n=8)
@@ -36,6 +37,7 @@ def EstimateZones(solution: Any) -> dict[str, float]:
     0.53 +- 0.02, 0.53 on fine meshes
     """
     CheckSolution(solution)
+    RefuseJoints(solution.disc.problem)
     with solution.state.Restored():
         fine, first, second = _Labels(solution)
     points = np.bincount(solution.disc.contact.boundaryelements)

@@ -103,10 +103,10 @@ class PartlyContinuous:
 
 
 def StrongNeighbours(facets: Facets) -> tuple[np.ndarray, np.ndarray]:
-    """Numbers of the two elements at each strong facet, two arrays."""
+    """Numbers of the two elements at each strong facet, two arrays; facets of joints are none."""
     incidence, byelement = facets.incidence, facets.incidence.tocsc()
     largest = np.maximum.reduceat(byelement.data, byelement.indptr[:-1]) ** 2
-    inner = incidence.indptr[:-1][facets.neighbours == 2]
+    inner = incidence.indptr[:-1][(facets.neighbours == 2) & ~facets.cut]
     pair = incidence.indices[inner], incidence.indices[inner + 1]
     strong = incidence.data[inner] ** 2 >= STRONG * np.minimum(largest[pair[0]], largest[pair[1]])
     return pair[0][strong], pair[1][strong]

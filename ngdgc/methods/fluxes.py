@@ -67,8 +67,9 @@ def _AddContact(disc: Any, operators: FacetOperators, traction: Array, values: A
             for row, facet in enumerate(patch.facets):
                 points = here.start + np.flatnonzero(facets[here] == facet)
                 shapes = contact.trace[(points[:, None] * dim + np.arange(dim)).ravel()]
-                # u at the points is the trace there: values of the facet functions, from those of the element.
-                local = operators.Dofs(patch.elements[row:row + 1])[0]
+                # u at the points is the trace there: values of the facet functions, from those of the element; on a joint with
+                # the sign that its first element has in the jump.
+                local = operators.Dofs(patch.elements[row:row + 1, :1])[0]
                 facetshapes = shapes[:, local].toarray() @ np.linalg.pinv(traces[row])
                 load = facetshapes.T @ (contact.weights[points, None] * traction[points]).ravel()
                 values[dofs[row]] -= operators.Apply(inverse[row:row + 1], load[None, :, None])[0, :, 0]

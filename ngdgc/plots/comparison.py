@@ -79,7 +79,7 @@ def _Curves(solutions: Mapping[str, ContactSolution], scale: float) -> Figure:
                 column[0].plot(s, solution.pressure[numbers], **style)
                 column[1].plot(s, friction[numbers], **style)
     for column, part in zip(grid.T, parts):
-        Panel(column[0], title=f"foundation of {part.foundation.boundary!r}").title.set_fontsize(10)
+        Panel(column[0], title=f"{part.foundation.kind} of {part.foundation.boundary!r}").title.set_fontsize(10)
         Panel(column[1], xlabel="s [length]").axhline(0, color="#999999", linewidth=0.8, zorder=0)
     for axes in grid[:, 0]:
         HideNoise(axes, solutions.values())

@@ -83,6 +83,6 @@ def _DressContact(column: Any, panels: Mapping[str, Any], foundation: Foundation
         axes.set_ylabel(labels[name])
         axes.margins(x=0)
         axes.spines[["top", "right"]].set_visible(False)
-    column[0].set_title(f"foundation of {foundation.boundary!r}", fontsize=10)
+    column[0].set_title(f"{foundation.kind} of {foundation.boundary!r}", fontsize=10)
     first, last = pieces[0][2].coordinates[0], pieces[-1][2].coordinates[-1]
     column[-1].set_xlabel(f"s [length], from ({first[0]:.3g}, {first[1]:.3g}) to ({last[0]:.3g}, {last[1]:.3g})")

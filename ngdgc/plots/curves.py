@@ -22,7 +22,7 @@ GAP = 1.1   # pieces of Gamma_C follow each other in a plot at this multiple of 
 
 @dataclass(frozen=True)
 class Curve:
-    """A connected piece of the outer boundary, passed with the body on its left.
+    """A connected piece of the outer boundary, passed with the body on its left; or of a joint, with its first side there.
 
     points : NGSolve mesh points on it;  coordinates, normals : (n, 2), outward;  s : arc length (n,) [length]
     region : NGSolve's Region that it is a piece of
@@ -51,8 +51,11 @@ class Curve:
 
 
 def Curves(disc: DiscreteProblem, region: str) -> list[Curve]:
-    """The `Curve`s of a boundary region, curved edges and edges of order > 1 subdivided."""
+    """The `Curve`s of a boundary region, of its outer part if it has one, curved edges and edges of order > 1 subdivided."""
     mesh, facets = disc.mesh, disc.facets
+    outer = facets.On(region) & (facets.neighbours == 1)
+    wanted = outer if outer.any() else facets.On(region) & facets.cut
+    second = (facets.neighbours > 1) & (facets.interfaces.sign < 0)
     number = Intervals(disc) + 1
     rule = IntegrationRule(points=[(t,) for t in np.linspace(0, 1, number)], weights=[1] * number)
     boundary = mesh.Boundaries(region)
@@ -65,13 +68,15 @@ def Curves(disc: DiscreteProblem, region: str) -> list[Curve]:
     for edge in zip(points, coordinates, normals):
         element = mesh[ElementId(BND, int(edge[0]["nr"][0]))]
         facet = facets.space.GetDofNrs(element)[0]
-        if facets.neighbours[facet] != 1:
+        if not wanted[facet]:
             continue
         ends = [vertex.nr for vertex in element.vertices][::-1]
-        neighbour = mesh[ElementId(VOL, int(facets.incidence.indices[facets.incidence.indptr[facet]]))]
+        neighbour = mesh[ElementId(VOL, int(facets.incidence.indices[facets.incidence.indptr[facet] + second[facet]]))]
         inner = vertices[[vertex.nr for vertex in neighbour.vertices]].mean(axis=0)[:2] - edge[1].mean(axis=0)
         if inner @ Left(edge[1][-1] - edge[1][0]) < 0:
             ends, edge = ends[::-1], [array[::-1] for array in edge]
+        if facets.cut[facet] and np.sum(edge[2] @ Left(edge[1][-1] - edge[1][0])) > 0:      # the normal of the second side
+            edge = edge[0], edge[1], -edge[2]
         following.setdefault(ends[0], []).append((ends[1], edge))
     return [Curve(*[np.concatenate(arrays) for arrays in zip(*edges)], boundary)    # type: ignore[call-arg]
             for edges in _Chains(following)]

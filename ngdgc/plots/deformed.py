@@ -16,7 +16,7 @@ from ..solution.magnification import Magnification
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
+from .canvas import RED, DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, FoundationCurves, Left, SplitByElement
 from .surface import DeformedSurface
 
@@ -32,7 +32,7 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
     view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
 
     Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
-    beyond Gamma_C, as far as the body has slid.  In 3D the surface of the body, without the foundations.
+    beyond Gamma_C, as far as the body has slid; joints are red lines where they were.  In 3D the surface of the body, without the foundations.
     """
     CheckSolution(solution)
     scale = Magnification(solution, scale)
@@ -41,7 +41,7 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
         return DeformedSurface(solution, scale, view)
     _, axes = PlaneAxes()
     for foundation in (part.foundation for part in contact.parts):
-        for curve in FoundationCurves(disc, foundation):
+        for curve in () if foundation.kind == "joint" else FoundationCurves(disc, foundation):
             mine = np.unique(contact.members[np.isin(contact.boundaryelements, curve.points["nr"])])
             moved = (contact.coordinates + scale * solution.displacement)[mine]
             deepest = scale * solution.penetration[mine].max()
@@ -61,11 +61,12 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
 
 
 def DrawElements(axes: Any, solution: ContactSolution, scale: float) -> Array:
-    """The elements, each moved by its own u_h times `scale`, and the undeformed outline; returns u_h (n, 2) around them."""
+    """The elements, each moved by its own u_h times `scale`, and outline and joints undeformed; returns u_h (n, 2) around them."""
     points = ElementOutlines(solution.disc)
     u = np.asarray(solution.gfu(points))
     axes.add_collection(PolyCollection(SplitByElement(points, np.asarray(Coordinates(2)(points)) + scale * u), gid="elements",
                                        facecolors=(0.85, 0.9, 0.95, 0.6), edgecolors="#222222", linewidths=0.5))
-    for curve in Curves(solution.disc, ".*"):
-        axes.plot(*curve.coordinates.T, "--", color="#555555", linewidth=1)
+    for region, colour in ((".*", "#555555"), *((joint, RED) for joint in solution.disc.problem.joints)):
+        for curve in Curves(solution.disc, region):
+            axes.plot(*curve.coordinates.T, "--", color=colour, linewidth=1, gid="joint" if colour == RED else "outline")
     return u

@@ -19,7 +19,7 @@ from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import BLUE, GREEN, PURPLE, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
+from .canvas import BLUE, GREEN, PURPLE, RED, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
 from .curves import Curve, Curves, ElementOutlines, FoundationCurves, Left, Literal, OutlinePoints, SplitByElement
 from .settingsolid import SettingSurface
 from .words import Prescribed, Span
@@ -32,7 +32,7 @@ ARROW = 0.12        # length of the longest arrow, relative to the body
 def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None) -> Figure:
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 
-    Clamped boundaries are hatched, rollers stand on circles, springs are zigzags, foundations are red blocks; tractions, and
+    Clamped boundaries are hatched, rollers stand on circles, springs are zigzags, foundations are red blocks, joints red double lines; tractions, and
     forces over their areas, are arrows of a length proportional to |f_2| that end or begin at the boundary.  In 3D the surface
     of the body, coloured by what acts on it, with the values, and arrows of tractions and prescribed displacements.
 
@@ -46,7 +46,7 @@ def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None)
     _, axes = PlaneAxes()
     _DrawMaterials(axes, disc)
     for foundation in problem.foundation:
-        for curve in FoundationCurves(disc, foundation):
+        for curve in () if foundation.kind == "joint" else FoundationCurves(disc, foundation):
             DrawBlock(axes, curve, ValuesAt(foundation.gap, curve.points, "gap", curve.region), Thickness(disc, curve))
     roles = {name: (kind, region) for kind, region in problem.Regions()
              for name, found in zip(mesh.GetBoundaries(), mesh.Boundaries(region).Mask()) if found}
@@ -54,7 +54,7 @@ def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None)
     draw: dict[str | None, Callable[..., tuple[str, float]]] = {
         "dirichlet": symbols.Clamped, "roller": symbols.Roller, "traction": partial(symbols.Traction, "traction"),
         "force": partial(symbols.Traction, "force"), "spring": symbols.Spring,
-        "foundation": symbols.Contact, None: symbols.Free}
+        "foundation": symbols.Contact, "joint": symbols.Joint, None: symbols.Free}
     for name in dict.fromkeys(mesh.GetBoundaries()):
         kind, region = roles.get(name, (None, None))
         curves = Curves(disc, Literal(name))
@@ -150,6 +150,13 @@ class _Symbols:
             for lines, colour, gid in ((coils, PURPLE, "springs"), (ends, "black", "ground")):
                 self.axes.add_collection(LineCollection([*(x[:, None] + lines)], colors=colour, linewidths=1, gid=gid))
         return Prescribed("spring", _Values(EntriesAt, self.problem.spring[region], curves, "spring")), length
+
+    def Joint(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
+        for curve in curves:
+            for colour, width in ((RED, 5), ("white", 2)):
+                self.axes.plot(*curve.coordinates.T, color=colour, linewidth=width, solid_capstyle="butt", gid="joint")
+        joint = next(joint for joint in self.problem.foundation if joint.boundary == region)
+        return Prescribed("joint", _Values(ValuesAt, joint.gap, curves, "gap")), 0
 
     def Contact(self, region: str, curves: Sequence[Curve]) -> tuple[str, float]:
         self._Line(curves, "black", 3)

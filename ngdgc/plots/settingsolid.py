@@ -44,6 +44,7 @@ def SettingSurface(disc: DiscreteProblem, view: Sequence[float] | None) -> Figur
         arrows += _Arrows(surface, [_Values(disc, MIDDLES, name, *roles[name], spread=True) for name in shown
                                     if name in roles and roles[name][0] in drawn], colour)
     title = "setting"
+    title += "".join(f", joint {region!r} inside" for region in problem.joints)
     if problem.bodyforce is not None:
         forces = VectorsAt(problem.bodyforce, VolumePoints(mesh, disc.order), "bodyforce")
         title += f", body force {Span('$f_1$', forces)}"

@@ -30,4 +30,4 @@ def Prescribed(kind: str, values: Array) -> str:
         return f"springs\n{Span('k', values)}"
     if kind == "force":
         return f"force\n{Span('F', values)}"
-    return f"traction\n{Span('$f_2$', values)}" if kind == "traction" else f"foundation\n{Span('g', values)}"
+    return f"traction\n{Span('$f_2$', values)}" if kind == "traction" else f"{kind}\n{Span('g', values)}"

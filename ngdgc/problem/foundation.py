@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -48,6 +48,7 @@ class Foundation:
     friction: Any = None
     gap: Any = 0.0
     normal: Any = None
+    kind: ClassVar[str] = "foundation"
     __repr__ = Described
 
     if TYPE_CHECKING:
@@ -64,8 +65,8 @@ class Foundation:
                                "Bound(r, p), or None")
         object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
         if self.normal is not None:
-            object.__setattr__(self, "normal", Vector(self.normal, f"normal of foundation {self.boundary!r}"))
-        where = f"on the foundation of {self.boundary!r}"
+            object.__setattr__(self, "normal", Vector(self.normal, f"normal of {self.kind} {self.boundary!r}"))
+        where = f"on the {self.kind} of {self.boundary!r}"
         if not Pointwise(self.compliance):
             CheckCompliance(Watched(self.compliance), 1, f"{LawName(self.compliance)} {where}")
         if self.friction is not None and not Pointwise(self.friction):

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..exceptions import ProblemError
+from ..contracts import Compliance, Datum, Friction
 from ..tools.calls import ByKeyword
 from .foundation import Foundation
 
@@ -15,18 +16,27 @@ class Joint(Foundation):
     """The laws of a `Foundation` on the interface `boundary` inside the body, whose sides come apart there.
 
     With the jump [u] = u(first) - u(second) and n the outward normal of the first side, whose material comes first in
-    mesh.GetMaterials():
+    mesh.GetMaterials() (`interfaces.Interfaces`; between parts of one material, of the element with the smaller number at its
+    first boundary element):
 
         r = [u].n - g,    t = p_n(r) n + t_t,    |t_t| <= p_t,    friction acts along -[u]_t
 
-    so that pressing together is positive.  The second side feels t, the first -t.  Raises ProblemError as `Foundation` does.
+    so that pressing together is positive and g >= 0 the distance of the two sides before.  The second side feels t, the first
+    one -t [stress].  What a solution has on a foundation it has on a joint, `displacement` and `slip` being those of [u].
+
+    The displacement jumps there in all discontinuous methods, assembled from facets.  A joint may end inside the body; parts
+    that hang together by joints alone are held by them as by foundations, each with its own free motions.
+
+    Raises ProblemError as `Foundation` does.
 
     >>> from ngdgc import NormalCompliance
-    >>> Joint("fault", NormalCompliance(450), gap=0.05).gap
-    0.05
+    >>> Joint("fault", NormalCompliance(450), gap=0.05)
+    Joint(boundary='fault', compliance=NormalCompliance(stiffness=450.0, exponent=1), gap=0.05)
     """
 
-    def __post_init__(self) -> None:
-        if self.normal is not None:
-            raise ProblemError(f"joint {self.boundary!r} has a normal; n of a joint is that of its first side: leave it out")
-        super().__post_init__()
+    normal: Any = field(init=False, default=None)
+    kind: ClassVar[str] = "joint"
+
+    if TYPE_CHECKING:
+        def __init__(self, boundary: str, compliance: Compliance, friction: Friction | None = None,
+                     gap: Datum = 0.0) -> None: ...

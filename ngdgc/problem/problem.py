@@ -16,7 +16,6 @@ from ..tools.formula import Described
 from ..tools.units import CheckUnits
 from ..tools.values import IsNumber
 from .foundation import Foundation
-from .joint import Joint
 from .materials import AnisotropicMaterial, HookeMaterial
 
 
@@ -28,7 +27,7 @@ class ContactProblem:
     Parameters
     ----------
     material : HookeMaterial or AnisotropicMaterial
-    foundation : Foundation, or a sequence of them for several foundations
+    foundation : Foundation or Joint, or a sequence of them for several
     dirichlet : {region: vector}, displacement u = u_D [length] on all components
     roller : {region: scalar}, normal displacement u_n [length]; the tangential traction is zero there
     traction : {region: vector}, sigma n = f_2 [stress]
@@ -125,12 +124,12 @@ class ContactProblem:
             for region in getattr(self, kind):
                 yield kind, region
         for foundation in self.foundation:
-            yield ("joint" if isinstance(foundation, Joint) else "foundation"), foundation.boundary
+            yield foundation.kind, foundation.boundary
 
     @property
     def joints(self) -> list[str]:
         """The regions of joints."""
-        return [region for kind, region in self.Regions() if kind == "joint"]
+        return [foundation.boundary for foundation in self.foundation if foundation.kind == "joint"]
 
 
 def _Regions(values: Any, name: str, convert: Callable[..., Any]) -> Mapping[str, Any]:

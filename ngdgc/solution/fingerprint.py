@@ -35,7 +35,7 @@ def Fingerprint(solution: Any, penetration: Array, slip: Array, numbering: Any) 
     disc = solution.disc
     problem, contact = disc.problem, disc.contact
     yield "points", contact.coordinates
-    own = any(part.foundation.normal is not None for part in contact.parts)
+    own = any(part.foundation.normal is not None for part in contact.parts) or bool(np.any(contact.joined))
     yield "gaps", np.column_stack([contact.gap, contact.normals]) if own else contact.gap
     yield "loads", _Renumbered(disc.load, numbering)
     yield "energies", np.array([solution.energy])
@@ -88,7 +88,7 @@ def _Regions(disc: DiscreteProblem) -> Any:
     kinds: list[list[str]] = [[] for _ in disc.mesh.GetBoundaries()]
     foundations = iter(range(len(disc.problem.foundation)))
     for kind, region in disc.problem.Regions():
-        word = f"{kind} {next(foundations)}" if kind == "foundation" else kind
+        word = f"{kind} {next(foundations)}" if kind in ("foundation", "joint") else kind
         for number, found in enumerate(disc.mesh.Boundaries(region).Mask()):
             if found and word not in kinds[number]:
                 kinds[number].append(word)

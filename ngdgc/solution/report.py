@@ -37,8 +37,8 @@ SCHEMA = {
     "estimated_quantities": "of an adaptive run, forces or other goals: value and signed error of each quantity; or null",
     "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
     "slip": "range of |u_t| [length]",
-    "resultants": "of supports, loads and foundations: kind, region, force (d) [stress length^(d-1)], moment about the origin "
-                  "[stress length^d], and integrated_stress (force, moment) by sigma n or null",
+    "resultants": "of supports, loads and foundations, of joints on their first sides: kind, region, force (d) [stress length^(d-1)], "
+                  "moment about the origin [stress length^d], and integrated_stress (force, moment) by sigma n or null",
     "equilibrium_residual": "|A u - f + T' W t| relative to its terms [1]",
     "global_imbalance": "sum of forces and moments, relative",
     "element_imbalance": "the largest of an element, relative; discontinuous methods only",
@@ -199,13 +199,18 @@ def _Forces(numbers: dict[str, Any]) -> list[str]:
     rows = [f"Forces on the body {_Product(dim - 1)} and moments about the origin {_Product(dim)}",
             " " * 26 + "".join(f"{column:>13}" for column in columns)]
     total = np.zeros(len(columns))
+    inner = []      # on the first sides of joints, the second sides of which balance them
     for resultant in numbers["resultants"]:
         modes = np.array(resultant["force"] + resultant["moment"])
+        row = _Row(f"{resultant['kind']} {resultant['region'] or ''}", modes)
+        if resultant["kind"] == "joint":
+            inner.append(row)
+            continue
         total += modes
-        rows.append(_Row(f"{resultant['kind']} {resultant['region'] or ''}", modes))
+        rows.append(row)
         if resultant["integrated_stress"]:
             rows.append(_Row("  integrated sigma n", np.concatenate(resultant["integrated_stress"])))
-    rows.append(_Row("sum", total))
+    rows += [_Row("sum", total), *inner]
     balance = f"Balance: whole body {numbers['global_imbalance']:.1e}, equations {numbers['equilibrium_residual']:.1e}"
     if "element_imbalance" in numbers:
         balance += f", worst element {numbers['element_imbalance']:.1e} (relative)"

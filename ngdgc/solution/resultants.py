@@ -19,7 +19,6 @@ from ..discrete.problem import DiscreteProblem
 from ..linear.motions import ProjectedMotions
 from ..mesh.facets import Free, RigidMotionsAt, VolumePoints
 from ..methods.symbolform import Coefficients
-from ..problem.joint import Joint
 from ..tools.calls import ByKeyword
 from .conformingtractions import AddedForce
 
@@ -77,8 +76,7 @@ def Resultants(solution: Any) -> list[Resultant]:
     for part in contact.parts:
         here = part.points
         modes = -np.einsum("cnd,nd,n->c", motions[:, here], solution.traction[here], contact.weights[here])
-        kind = "joint" if isinstance(part.foundation, Joint) else "foundation"
-        found.append(Resultant(kind, part.foundation.boundary, *Split(modes)))
+        found.append(Resultant(part.foundation.kind, part.foundation.boundary, *Split(modes)))
     return found
 
 

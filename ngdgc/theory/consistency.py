@@ -57,6 +57,9 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     minus the body force, tractions of loads and springs, and sigma(u) n on Gamma_C.
     """
     problem, mesh, n = disc.problem, disc.mesh, specialcf.normal(disc.mesh.dim)
+    if problem.joints:
+        raise ProblemError(f"the problem has joint {problem.joints[0]!r}, across which an exact displacement jumps, and a "
+                           "CoefficientFunction u has no jumps; take a problem with foundations alone")
     strain = _ExactStrain(disc, displacement)
     _CheckPrescribed(disc, displacement)
     stress, v = problem.material.Stress(strain), disc.space.TestFunction()

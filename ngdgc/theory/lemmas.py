@@ -4,8 +4,8 @@ The norm is the paper's, with the jumps weighted so that its two parts have one 
 
     |||v|||^2 = sum_K int_K C eps(v):eps(v) + sum_e (mu_e/h_e) int_e [v]:[v]        over e in E0 [stress length^d],
 
-h_e the diameter of e and mu_e the larger shear modulus of the two sides.  On V_h the term h_K^2 |v|_{2,K}^2 of Lemma 3.3
-is bounded by the first one and is left out.  For the conforming method E0 are the rollers.
+h_e the diameter of e and mu_e the larger shear modulus of the two sides.  Joints are not in E0.  On V_h the term
+h_K^2 |v|_{2,K}^2 of Lemma 3.3 is bounded by the first one and is left out.  For the conforming method E0 are the rollers.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def NormMatrix(disc: Discretization) -> Any:
     points = VolumePoints(mesh, 2 * disc.order)
     shear = np.zeros(mesh.ne)
     np.maximum.at(shear, points["nr"], problem.material.ShearAt(points))
-    weight = facets.Function(facets.LargestNeighbour(shear) / facets.diameter)
+    weight = facets.Function(np.where(facets.cut, 0, facets.LargestNeighbour(shear) / facets.diameter))
     u, v = disc.space.TnT()
     form = BilinearForm(disc.space)
     form += InnerProduct(problem.material.Stress(Strain(u)), Strain(v)) * dx(bonus_intorder=problem.material.bonus)

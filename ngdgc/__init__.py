@@ -34,6 +34,6 @@ __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "Check
            "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
            "EstimateError", "EstimateForce", "EstimateZones", "Foundation", "FrictionLaw", "HookeMaterial",
            "IncompleteInteriorPenalty", "InteriorPenalty", "Joint", "LDG", "Lifting", "LoadHistory", "MultiStart",
-           "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG", "PowerFriction",
-           "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive", "SolveHistory",
-           "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]
+           "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG",
+           "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive",
+           "SolveHistory", "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]

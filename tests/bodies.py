@@ -94,6 +94,28 @@ def Layers(dim):
     return Mesh(OCCGeometry(Glue(parts), dim=dim).GenerateMesh(maxh=0.3 if dim == 2 else 0.5))
 
 
+def Stacked(faces=lambda middle: True):
+    """`Layers(3)` of twelve tetrahedra; with `faces`, of the middle of a face, which ones between the layers are "mid"."""
+    old = MakeStructured3DMesh(hexes=False, nx=1, ny=1, nz=2, mapping=lambda s, t, h: (s, t, 0.8 * h + 0.4 * h * (h - 0.5)))
+    mesh, points = NetgenMesh(dim=3), old.ngmesh.Coordinates()
+    mesh.AddPoints(points)
+    layers = [mesh.AddRegion(name, dim=3) for name in ("soft", "hard")]
+    names = {name: mesh.AddRegion(name, dim=2) for name in (*old.GetBoundaries(), "mid")}
+    between = set()
+    for element in old.ngmesh.Elements3D():
+        nodes = [vertex.nr for vertex in element.vertices]
+        height = points[np.array(nodes) - 1, 2]
+        mesh.Add(Element3D(layers[int(height.mean() > 0.4)], nodes))
+        flat = tuple(sorted(node for node, z in zip(nodes, height) if abs(z - 0.4) < 1e-9))
+        if len(flat) == 3 and faces(points[np.array(flat) - 1].mean(axis=0)):
+            between.add(flat)
+    for side in old.ngmesh.Elements2D():
+        mesh.Add(Element2D(names[old.ngmesh.GetBCName(side.index - 1)], [vertex.nr for vertex in side.vertices]))
+    for flat in sorted(between):
+        mesh.Add(Element2D(names["mid"], list(flat)))
+    return Mesh(mesh)
+
+
 def Perforated():
     """A plate with a curved hole; on its boundary elements NGSolve's normal points into the body."""
     plate, hole = MoveTo(0, 0).Rectangle(1, 1).Face(), Circle((0.5, 0.5), 0.2).Face()

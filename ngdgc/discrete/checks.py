@@ -57,7 +57,7 @@ def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
                                    "elements: give a Foundation there, or name the interface alone")
         elif np.any(facets.neighbours[on] > 1):
             raise ProblemError(f"{kind} region {region!r} contains facets inside the body, between two elements; "
-                               "give a Joint there, or rename the interface or the region")
+                               "conditions are for the outer boundary only: give a Joint there, or rename the interface")
 
 
 def CheckJoints(problem: ContactProblem, method: Method, assembly: str) -> None:

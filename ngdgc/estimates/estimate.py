@@ -70,8 +70,8 @@ def Relative(solution: Any, value: float) -> float:
 def RefuseJoints(problem: ContactProblem) -> None:
     """Raise ProblemError for a problem with joints."""
     if problem.joints:
-        raise ProblemError(f"the problem has joint {problem.joints[0]!r}, across which displacements jump, and estimates are of "
-                           "bodies that press against foundations alone; compare solutions on finer meshes or of higher order")
+        raise ProblemError(f"the problem has joint {problem.joints[0]!r}, across which displacements jump; errors are "
+                           "estimated of bodies that press against foundations alone: compare with a finer mesh")
 
 
 def RefuseSprings(problem: ContactProblem) -> None:

@@ -14,6 +14,7 @@ from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, Bas
 from ngsolve.la import SparseMatrixd
 
 from ..contracts import Array
+from .components import Components
 from .interfaces import Interfaces
 
 # Vertices of NGSolve's reference elements, in the order of Element.vertices.
@@ -191,19 +192,8 @@ class Facets:
 
     @cached_property
     def component(self) -> np.ndarray:
-        """Number of the connected part of the mesh, over elements; parts hang together through facets."""
-        # Every element points to one of its part with a smaller number, or is the smallest; scipy.sparse.csgraph takes longer
-        # to import than this takes.
-        inside = self.incidence.indptr[:-1][(self.neighbours > 1) & ~self.cut]
-        first, second = (self.incidence.indices[inside + side] for side in (0, 1))
-        smallest = np.arange(self.mesh.ne)
-        while np.any(apart := smallest[first] != smallest[second]):
-            first, second = first[apart], second[apart]
-            ends = smallest[first], smallest[second]
-            np.minimum.at(smallest, np.maximum(*ends), np.minimum(*ends))
-            while np.any((further := smallest[smallest]) != smallest):
-                smallest = further
-        return np.unique(smallest, return_inverse=True)[1]
+        """Number of the connected part of the mesh, over elements; parts hang together through facets that are no joints."""
+        return Components(self)
 
     @cached_property
     def boundary(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

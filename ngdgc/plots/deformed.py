@@ -32,7 +32,8 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
     view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
 
     Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
-    beyond Gamma_C, as far as the body has slid; joints are red lines where they were.  In 3D the surface of the body, without the foundations.
+    beyond Gamma_C, as far as the body has slid; a joint is a red line where it was.  In 3D the surface of the body, without the
+    foundations.
     """
     CheckSolution(solution)
     scale = Magnification(solution, scale)
@@ -61,7 +62,7 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
 
 
 def DrawElements(axes: Any, solution: ContactSolution, scale: float) -> Array:
-    """The elements, each moved by its own u_h times `scale`, and outline and joints undeformed; returns u_h (n, 2) around them."""
+    """The elements, each moved by its own u_h times `scale`, outline and joints undeformed; returns u_h (n, 2) around them."""
     points = ElementOutlines(solution.disc)
     u = np.asarray(solution.gfu(points))
     axes.add_collection(PolyCollection(SplitByElement(points, np.asarray(Coordinates(2)(points)) + scale * u), gid="elements",

@@ -32,9 +32,10 @@ ARROW = 0.12        # length of the longest arrow, relative to the body
 def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None) -> Figure:
     """The undeformed body, its supports and loads, and the foundations at their gap, as in figures 1 and 3 of the paper.
 
-    Clamped boundaries are hatched, rollers stand on circles, springs are zigzags, foundations are red blocks, joints red double lines; tractions, and
-    forces over their areas, are arrows of a length proportional to |f_2| that end or begin at the boundary.  In 3D the surface
-    of the body, coloured by what acts on it, with the values, and arrows of tractions and prescribed displacements.
+    Clamped boundaries are hatched, rollers stand on circles, springs are zigzags, foundations are red blocks, joints red double
+    lines; tractions, and forces over their areas, are arrows of a length proportional to |f_2| that end or begin at the
+    boundary.  In 3D the surface of the body, coloured by what acts on it, with the values, and arrows of tractions and
+    prescribed displacements.
 
     view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
     """

@@ -37,8 +37,9 @@ SCHEMA = {
     "estimated_quantities": "of an adaptive run, forces or other goals: value and signed error of each quantity; or null",
     "penetration": "range of u_n - g [length]", "pressure": "range of p_n [stress]", "friction": "range of |sigma_t| [stress]",
     "slip": "range of |u_t| [length]",
-    "resultants": "of supports, loads and foundations, of joints on their first sides: kind, region, force (d) [stress length^(d-1)], "
-                  "moment about the origin [stress length^d], and integrated_stress (force, moment) by sigma n or null",
+    "resultants": "of supports, loads and foundations, of joints on their first sides: kind, region, force (d) "
+                  "[stress length^(d-1)], moment about the origin [stress length^d], and integrated_stress (force, moment) by "
+                  "sigma n or null",
     "equilibrium_residual": "|A u - f + T' W t| relative to its terms [1]",
     "global_imbalance": "sum of forces and moments, relative",
     "element_imbalance": "the largest of an element, relative; discontinuous methods only",

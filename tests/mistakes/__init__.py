@@ -6,10 +6,11 @@ messages, and holds the lines that raised against the source.
 
 from types import SimpleNamespace
 
-from ngsolve import CF
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, Mesh
 from problems import Example
 
-from ngdgc import (ContactProblem, Discretization, Foundation, FrictionLaw, HookeMaterial, InteriorPenalty,
+from ngdgc import (ContactProblem, Discretization, Foundation, FrictionLaw, HookeMaterial, InteriorPenalty, Joint,
                    NonsymmetricInteriorPenalty, NormalCompliance, TrescaFriction)
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -52,6 +53,19 @@ def Giving(**members):
 
 def Nonsymmetric():
     return Disc(NonsymmetricInteriorPenalty(), inverse="sparsecholesky")
+
+
+def Inside():
+    """A square with an interface inside."""
+    geometry = SplineGeometry()
+    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"], leftdomain=1)
+    geometry.AddRectangle((0.3, 0.3), (0.7, 0.7), bc="interface", leftdomain=2, rightdomain=1)
+    return Mesh(geometry.GenerateMesh(maxh=0.4))
+
+
+def Jointed(method=None, region="interface", **changes):
+    """A part of the body that a joint with friction holds."""
+    return Disc(method, mesh=Inside(), foundation=[Joint(region, SOFT, friction=TrescaFriction(1), **changes)])
 
 
 def Block():

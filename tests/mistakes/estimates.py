@@ -3,7 +3,7 @@
 from unittest.mock import patch
 
 from bodies import Pyramids, Ring
-from mistakes import Disc, Giving
+from mistakes import Disc, Giving, Jointed
 from ngsolve import BilinearForm, GridFunction, VectorH1, dx
 from problems import Example
 
@@ -87,6 +87,7 @@ ESTIMATES = [
     (lambda _: EstimateError(Solve(Disc(Giving()))), "method IP has a form of its own | FacetForm | as all methods"),
     (lambda _: EstimateError(_Pyramids()), "the mesh has pyramids | no equilibrated stress | take another mesh"),
     (lambda _: EstimateError(Solve(Disc(spring={"top": 3}))), "the problem has springs | the energy norm | take EstimateForce"),
+    (lambda _: EstimateError(Solve(Jointed())), "joint 'interface' | against foundations alone | compare with a finer mesh"),
     (lambda _: ResidualEstimate(Solve(Disc(spring={"top": 3}))), "problem has springs | the energy norm | take EstimateForce"),
     (lambda _: EstimateError(Sprung()), "forms were added | the numerical flux | without them"),
     (lambda _: EstimateForce(Disc()), "solution is Discretization( | a ContactSolution | which Solve(disc) returns"),

@@ -4,13 +4,14 @@ from types import SimpleNamespace
 
 import numpy as np
 import scipy.sparse as sp
-from mistakes import HELD, SOFT, Disc, On
+from bodies import Layers
+from mistakes import HELD, SOFT, Disc, Inside, Jointed, On
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, Variation, VectorL2, ds, dx, sqrt, x, y
 from problems import Example
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   Lifting, SemismoothNewtonSolver, Solve, UzawaSolver, WeaklyOverPenalised)
+                   Joint, Lifting, SemismoothNewtonSolver, Solve, UzawaSolver, WeaklyOverPenalised)
 from ngdgc.theory.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.blocks.matrix import BlockMatrix
@@ -35,14 +36,6 @@ def Renamed(name):
     mesh = RectangleMesh(2)
     mesh.ngmesh.SetBCName(mesh.GetBoundaries().index("right"), name)
     return mesh
-
-
-def Inside():
-    """A square with an interface inside."""
-    geometry = SplineGeometry()
-    geometry.AddRectangle((0, 0), (1, 1), bcs=["bottom", "right", "top", "left"], leftdomain=1)
-    geometry.AddRectangle((0.3, 0.3), (0.7, 0.7), bc="interface", leftdomain=2, rightdomain=1)
-    return Mesh(geometry.GenerateMesh(maxh=0.4))
 
 
 def Refined():
@@ -135,7 +128,21 @@ PROBLEMS = [
     (lambda _: Disc(dirichlet={"right|bottom": SPRING}),
      "boundary 'bottom' is claimed twice | must not overlap | give it to one"),
     (lambda _: Disc(mesh=Inside(), foundation=Foundation("interface", SOFT)),
-     "foundation region 'interface' | for the outer boundary only | rename the interface or the region"),
+     "foundation region 'interface' | for the outer boundary only | give a Joint there, or rename the interface"),
+    (lambda _: Jointed(region="bottom"),
+     "joint region 'bottom' contains facets of the outer boundary | between two elements | give a Foundation there"),
+    (lambda _: Jointed(region="fault"), "joint region 'fault' matches no boundary | choose among | interface"),
+    (lambda _: Disc(mesh=Inside(), foundation=[Joint("interface", SOFT), Foundation("interface", SOFT)]),
+     "boundary 'interface' is claimed twice, by joint 'interface' and by foundation | must not overlap | give it to one"),
+    (lambda _: Disc(mesh=Layers(2), foundation=[Joint("mid", SOFT)], dirichlet={"bottom": SPRING}, traction=None).matrix,
+     "nothing resists translation along x in part 2 | neither dirichlet nor roller | hold it with"),
+    (lambda _: Joint("interface", SOFT, normal=(0, 1)),
+     "Joint(...): there is no argument 'normal' | choose among boundary, compliance, friction, gap | choose"),
+    (lambda _: Jointed(gap=sqrt(x - 0.5)), "joint 'interface': gap is not finite | point | look for"),
+    (lambda _: Jointed(Conforming()),
+     "method H1 has continuous displacements | do not jump on joint 'interface' | take a discontinuous method"),
+    (lambda _: Disc(mesh=Inside(), foundation=[Joint("interface", SOFT)], assembly="skeleton"),
+     "assembly is 'skeleton' | couples elements across joint 'interface' | take 'facet'"),
     (lambda _: Disc(roller={"top": 0}, traction={"top": CF((1, 1))}),
      "traction['top'] has a normal component on a roller | normal displacement is prescribed | give the tangential part"),
     (lambda _: Disc(**FLOATING).matrix,

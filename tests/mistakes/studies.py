@@ -3,7 +3,7 @@
 from unittest.mock import patch
 
 import numpy as np
-from mistakes import HELD, Disc, Friction, Nonsymmetric, On
+from mistakes import HELD, Disc, Friction, Jointed, Nonsymmetric, On
 from netgen.occ import Circle
 from ngsolve import CF, x, y
 from problems import Example
@@ -46,6 +46,8 @@ STUDIES = [
      "the shear is 2, more than the friction bound 1 | violate the law at x | mend"),
     (lambda _: FromTraces(On(friction=TrescaFriction(1)), un=0.1, pressure=45, ut=0.1, shear=0.5),
      "ut is 0.1, not 0 | the shear must be the bound 1 | mend"),
+    (lambda _: ConsistencyResidual(Jointed(), CF((x, y))),
+     "the problem has joint 'interface' | a CoefficientFunction u has no jumps | take a problem with foundations alone"),
     (lambda _: ConsistencyResidual(Disc(), 5), "displacement is 5 | which can be differentiated | give a CoefficientFunction"),
     (lambda _: ConsistencyResidual(Disc(), CF((1, 1))),
      "displacement differs from dirichlet['right'] by 1.41 | takes the prescribed | give"),

@@ -5,7 +5,8 @@ import pytest
 from bodies import LINE, Crossed, Layers, Stacked
 from ngsolve import x
 
-from ngdgc import LDG, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, Joint, NormalCompliance, Solve
+from ngdgc import (LDG, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, Joint, NormalCompliance,
+                   Solve)
 from ngdgc.plots import ComparisonFigure, ContactFigure, DeformedFigure, LawFigure, SettingFigure, ZonesFigure
 from ngdgc.plots.curves import Along, Curves
 

@@ -20,6 +20,7 @@ from ..tools.calls import ByKeyword
 from .files import Files
 
 EVERY = 10          # iterations from one line of a log file to the next
+DPI = 150           # of figures
 SLOW = 4.0          # [s] after which the next iteration is a line, whatever its number
 FIRST = 20          # iterations that a notebook shows at once; then one every PAUSE
 PAUSE = 0.1         # [s]
@@ -166,14 +167,15 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float | Liter
     With a number other than 1 the deformed body is drawn at that scale too, beside the one in real size.
     """
     from ..export import WriteContactVTK, WriteHTML, WriteVTK
-    from ..plots import ContactFigure, DeformedFigure, ErrorFigure, HistoryFigure, LawFigure, SettingFigure, ZonesFigure
+    from ..plots import (ContactFigure, DeformedFigure, ErrorFigure, FieldFigure, HistoryFigure, LawFigure, SettingFigure,
+                         ZonesFigure)
 
     files.Write("solution.html", partial(WriteHTML, solution, scale=scale))
     files.Write("solution.vtu", partial(WriteVTK, solution))
     files.Write("contact.vtu", partial(WriteContactVTK, solution))
     first: float | Literal["auto"] = "auto" if scale == "auto" else 1
     figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution, scale=first),
-               "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
+               "vonmises": lambda: FieldFigure(solution), "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
                "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}
     if hasattr(solution.estimate, "parts"):     # of the energy
         figures["error"] = lambda: ErrorFigure(solution, estimate=solution.estimate)
@@ -183,8 +185,17 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float | Liter
         files.Write(f"{name}.png", partial(_DrawInto, Figure))
 
 
-def _DrawInto(Figure: Callable[[], Any], path: str) -> None:
-    Figure().savefig(path, dpi=150)
+def _DrawInto(Figure: Callable[[], Any], path: Path) -> None:
+    """As savefig does, which draws everything once before only to place it."""
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    from ..plots.canvas import PLACED
+
+    figure = Figure()
+    if figure.get_gid() == PLACED:
+        figure.set_layout_engine("none")
+    figure.set_dpi(DPI)
+    FigureCanvasAgg(figure).print_png(path)
 
 
 @ByKeyword

@@ -24,6 +24,7 @@ THICKNESS = 0.18    # of a foundation block, relative to the body
 STOUT = 0.5         # and at most, relative to its length: a narrow one would be a spike
 VISIBLE = 0.02      # but not less than that for its narrowness, relative to the body
 APART = 4           # texts [pixel]
+PLACED = "placed"   # gid of figures whose layout is done when they are returned
 NOISE = 1e-12       # tractions that are round-off, relative to the largest
 
 
@@ -58,13 +59,16 @@ def Unconverged(solution: ContactSolution) -> str:
 def Frame(axes: Any, xlabel: str = "x [length]", ylabel: str = "y [length]") -> Figure:
     """Limits around everything, texts included, and a figure of the same shape."""
     figure = axes.figure
+    figure.set_gid(PLACED)
     axes.set(xlabel=xlabel, ylabel=ylabel)
     for _ in range(3):
         axes.autoscale_view()
         shape = np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())
         height = np.clip((WIDTH - 0.8) * shape, 1.8, 5.0)
         figure.set_size_inches(np.clip(height / shape, 4.4, WIDTH - 0.8) + 0.8, height + 0.8)
-        figure.draw_without_rendering()
+        # The layout alone, as a drawing that nobody sees would begin with it.
+        figure.get_layout_engine().execute(figure)
+        axes.apply_aspect()
         _Part(axes)
         for text in axes.texts:
             axes.update_datalim(axes.transData.inverted().transform(text.get_window_extent().get_points()))

@@ -18,7 +18,7 @@ from ..contracts import Array
 from ..mesh.facets import BoundaryFunction
 from ..solution.solution import ContactSolution
 from ..tools.values import Vectors
-from .canvas import APART, ZONE_COLOURS, Unconverged
+from .canvas import APART, PLACED, ZONE_COLOURS, Unconverged
 from .regions import SEEN, SurfaceFaces
 
 VIEWS = ((-25, -60), (25, 120))     # elevation and azimuth [degrees]: between them all six sides of a box are seen
@@ -54,6 +54,7 @@ def Surface(faces: Any, colours: Any, title: str, legend: Mapping[str, str], *, 
     figure.draw_without_rendering()     # which places the axes
     for axes in figure.axes:
         _Part(axes)
+    figure.set_gid(PLACED)
     return figure
 
 

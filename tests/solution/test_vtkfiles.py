@@ -5,7 +5,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 from bodies import Layers, Perforated, Pyramids
-from ngsolve import CF, QUAD, TRIG, Integrate, IntegrationRule, Mesh, Norm, Parameter
+from ngsolve import CF, QUAD, SEGM, TRIG, Integrate, IntegrationRule, Mesh, Norm, Parameter
 from problems import Loaded, Solved
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
@@ -223,6 +223,12 @@ def test_point_cells_cut_a_side_by_the_weights(method, order):
             assert cell.sum(axis=1).max() < 1 + 1e-12 if et == TRIG else cell.max() < 1 + 1e-12
 
 
+def test_cells_of_a_segment_follow_its_points():
+    """In whatever order they are given."""
+    cells = PointCells(SEGM, IntegrationRule([(0.8,), (0.1,), (0.5,)], [0.3, 0.4, 0.3]))
+    assert np.array(cells)[..., 0] == pytest.approx(np.array([(0.7, 1), (0, 0.4), (0.4, 0.7)]))
+
+
 def Collection(path):
     """(time, part, name of the file) of a .pvd file."""
     return [(float(one.get("timestep")), one.get("part"), one.get("file")) for one in ElementTree.parse(path).iter("DataSet")]
@@ -234,7 +240,8 @@ def test_series_of_a_history(tmp_path):
     path = WriteSeries(history, tmp_path / "led")
     found = Collection(path)
     assert path.name == "led.pvd" and [time for time, *_ in found] == [0.5, 0.5, 1, 1]
-    assert [part for _, part, _ in found] == ["0", "1", "0", "1"]
+    assert [(part, file) for _, part, file in found[:3]] == [
+        ("0", "led/body-0000.vtu"), ("1", "led/contact-0000.vtu"), ("0", "led/body-0001.vtu")]
     for number, solution in enumerate(history):
         for Write, name in ((WriteVTK, "body"), (WriteContactVTK, "contact")):
             single = Write(solution, tmp_path / name).read_bytes()

@@ -18,10 +18,13 @@ from .commands.arguments import Commands, Finite, NumberOrAuto, Positive
 from .commands.attack import AddAttack
 from .commands.bench import AddBench
 from .commands.casefiles import CaseFiles, Compared, LoadCase
+from .commands.check import AddCheck
 from .commands.compare import AddCompare
 from .commands.console import Console
 from .commands.effectivity import AddEffectivity
 from .commands.files import Files
+from .commands.meshfile import AddMesh
+from .commands.newcase import AddNew
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
 from .contracts import Solver
@@ -32,6 +35,9 @@ from .tools.names import Known, Meant
 
 EPILOG = """examples:
   ngdgc cases                                                  list the cases
+  ngdgc new block.py                                           a case of your own, to be changed
+  ngdgc check block.py                                         what it is, and how long it takes, before it is solved
+  ngdgc mesh part.msh                                          what is in the file of a mesh
   ngdgc run cases/example_4_1.py --method ip --n 16 --out results/
   ngdgc run example_4_2 --method h1 --order 2 --plane strain
   ngdgc compare example_4_2 --n 8                              one case by all methods, side by side
@@ -106,7 +112,10 @@ def _Parser() -> _OneLine:
                       epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--version", action="version", version=f"ngdgc {__version__}")
     commands = parser.add_subparsers(metavar="COMMAND", required=True)
+    AddNew(commands)
+    AddCheck(commands)
     _AddRun(commands)
+    AddMesh(commands)
     listing = commands.add_parser("cases", help="list the cases that come with the package")
     listing.set_defaults(command=ListCases)
     AddStudies(commands)

@@ -55,6 +55,8 @@ class Progress:
         self.time = 0.0
 
     def __call__(self, step: Step) -> None:
+        if self.step is not None and step.number <= self.step.number:
+            self.Close()        # of the mesh before
         self.step = step
         if self.live or step.number == 1 or self._Due(step.number):
             self._Show()
@@ -175,17 +177,18 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float | Liter
     files.Write("contact.vtu", partial(WriteContactVTK, solution))
     first: float | Literal["auto"] = "auto" if scale == "auto" else 1
     figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution, scale=first),
-               "vonmises": lambda: FieldFigure(solution), "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
+               "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),
                "zones": lambda: ZonesFigure(solution), "history": lambda: HistoryFigure(solution)}
     if hasattr(solution.estimate, "parts"):     # of the energy
         figures["error"] = lambda: ErrorFigure(solution, estimate=solution.estimate)
     if scale not in (1, "auto"):
         figures["deformed-scaled"] = lambda: DeformedFigure(solution, scale=scale)
+    figures["vonmises"] = lambda: FieldFigure(solution)
     for name, Figure in figures.items():
-        files.Write(f"{name}.png", partial(_DrawInto, Figure))
+        files.Write(f"{name}.png", partial(DrawInto, Figure))
 
 
-def _DrawInto(Figure: Callable[[], Any], path: Path) -> None:
+def DrawInto(Figure: Callable[[], Any], path: Path) -> None:
     """As savefig does, which draws everything once before only to place it."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
 

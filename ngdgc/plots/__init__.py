@@ -18,6 +18,7 @@ from .history import HistoryFigure
 from .law import LawFigure
 from .line import LineFigure
 from .loadhistory import LoadHistoryFigure
+from .meshpicture import MeshFigure
 from .setting import SettingFigure
 from .studies import AccuracyFigure, ConvergenceFigure, LockingFigure
 from .sweep import SweepFigure

@@ -45,7 +45,7 @@ def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None)
     if mesh.dim == 3:
         return SettingSurface(disc, view)
     _, axes = PlaneAxes()
-    _DrawMaterials(axes, disc)
+    DrawMaterials(axes, disc)
     for foundation in problem.foundation:
         for curve in () if foundation.kind == "joint" else FoundationCurves(disc, foundation):
             DrawBlock(axes, curve, ValuesAt(foundation.gap, curve.points, "gap", curve.region), Thickness(disc, curve))
@@ -71,7 +71,7 @@ def _Values(at: Callable[..., Array], value: Any, curves: Sequence[Curve], name:
     return np.concatenate([at(value, curve.points, name, curve.region) for curve in curves])
 
 
-def _DrawMaterials(axes: Any, disc: DiscreteProblem) -> None:
+def DrawMaterials(axes: Any, disc: DiscreteProblem) -> None:
     """The body, one shade of grey a material."""
     names = disc.mesh.GetMaterials()
     points = ElementOutlines(disc)

@@ -73,7 +73,8 @@ def DrawFaces(axes: Any, faces: Any, colours: Any, view: Sequence[float], outlin
              **{f"{name}label": f"{name} [length]" for name in "xyz"})
     axes.set_box_aspect(tuple(extents), zoom=0.9)
     for axis, extent in zip((axes.xaxis, axes.yaxis, axes.zaxis), extents):
-        axis.set_major_locator(MaxNLocator(2 if extent < 0.5 * extents.max() else 4))
+        # The lowest would meet the highest of the next axis in a corner.
+        axis.set_major_locator(MaxNLocator(2 if extent < 0.5 * extents.max() else 4, prune="lower"))
     axes.view_init(elev=view[0], azim=view[1])
 
 

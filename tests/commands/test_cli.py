@@ -18,7 +18,7 @@ from ngdgc.cli import Main
 COMMAND = Path(sys.executable).with_name("ngdgc")
 CASE = Path(__file__).parents[2] / "cases" / "example_4_1.py"
 FILES = {"report.txt", "report.json", "solution.html", "solution.vtu", "contact.vtu", "setting.png", "deformed.png",
-         "contact.png", "law.png", "zones.png", "history.png", "error.png"}
+         "contact.png", "law.png", "zones.png", "history.png", "error.png", "vonmises.png"}
 
 
 def Command(*arguments, **options):

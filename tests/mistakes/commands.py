@@ -4,6 +4,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 from ngdgc import cli
+from ngdgc.commands.check import Looker
 from ngdgc.studies.atlas import solvers as atlas
 from ngdgc.cases import example_4_1
 
@@ -28,6 +29,14 @@ def Changed(old, new, name="case.py"):
     def Mistake(folder):
         (folder / name).write_text(EXAMPLE.replace(old, new), encoding="utf-8")
         Typed(f"run OUT/{name} --n 2 --out OUT/results")(folder)
+    return Mistake
+
+
+def Checked(text):
+    """The mistake of checking a case with this text."""
+    def Mistake(folder):
+        (folder / "case.py").write_text(text, encoding="utf-8")
+        Typed("check OUT/case.py --out OUT/results")(folder)
     return Mistake
 
 
@@ -57,7 +66,13 @@ COMMANDS = [
     (Changed("return solver.Solve(disc, callback=callback)", "pass"),
      "returned NoneType | ContactSolution | let it return what the solver"),
     (WithoutProblem, "case.py has no functions | Problem() and Mesh(n) | write them"),
-    (Typed("rnu example_4_1"), "invalid choice: 'rnu' | choose one of run, cases | did you mean 'run'"),
+    (Typed("rnu example_4_1"), "invalid choice: 'rnu' | choose one of new, check, run | did you mean 'run'"),
+    (Typed("new block"), "'block' is no name of a case | one that ends in .py | give"),
+    (Typed("new OUT/file.py", "file.py"), "file.py is there already and is kept | another name | give"),
+    (lambda _: Looker().Solve(None), "the case is looked at | and not solved here | take ngdgc run"),
+    (Checked("def Main(*, solver, **_):\n    return 1\n"), "was solved without the solver | call solver.Solve(disc | there"),
+    (Checked("def Main():\n    return 1\n"), "cannot be called: | unexpected keyword argument | it needs the keywords method"),
+    (Typed("mesh OUT/file"), "file is | give the name of a mesh | .msh of Gmsh"),
     (Typed("run example_4_1 --colour red"), "unrecognized arguments: | --colour red | see ngdgc run --help"),
     (Typed("run example_4_1 --n many"), "--n: 'many' is not | a positive integer | give for example 4"),
     (Typed("run example_4_1 --tol big"), "--tol: 'big' is not | a number | give for example 0.5"),

@@ -8,7 +8,7 @@ from problems import Example
 from ngdgc import EstimateError, Solve
 from ngdgc.errors import EnergyError, L2Error, StrainError
 from ngdgc.export import Animation, WriteSeries
-from ngdgc.plots import ComparisonFigure, DeformedFigure, ErrorFigure, FieldFigure, LineFigure, SettingFigure
+from ngdgc.plots import ComparisonFigure, DeformedFigure, ErrorFigure, FieldFigure, LineFigure, MeshFigure, SettingFigure
 
 RESULTS = [
     # Pictures.
@@ -32,6 +32,8 @@ RESULTS = [
     (lambda _: FieldFigure(solution := Solve(Disc()), solution.disc.mesh.BoundaryCF({"left": 1})),
      "field of your own | cannot be evaluated in the elements | give a CoefficientFunction that has values there"),
     (lambda _: FieldFigure(Solve(Disc()), view=(0, 0)), "view is (0, 0) | the body is plane | leave it out"),
+    (lambda _: MeshFigure(Disc()), "mesh is Discretization( | an ngsolve.Mesh | ReadMesh(file) returns"),
+    (lambda _: MeshFigure(Disc().mesh, view=(0, 0)), "view is (0, 0) | the mesh is plane | leave it out"),
     (lambda _: FieldFigure(Solve(Disc()), limits=(2, 1)), "limits is (2, 1) | the lowest and the highest | give"),
     (lambda _: FieldFigure(Solve(Block()), cut=((0, 0, 0), (0, 0, 0))), "cut is | whose normal is 0 | give"),
     (lambda _: FieldFigure(Solve(Block()), cut=((0, 0, 9), (0, 0, 1))),

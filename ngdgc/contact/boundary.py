@@ -18,10 +18,10 @@ from ..data.coefficients import ValuesAt
 from ..exceptions import ProblemError
 from ..mesh.facets import Facets
 from ..mesh.pieces import Pieces
-from ..mesh.quadrature import BoundaryQuadrature
 from ..problem.problem import ContactProblem
 from .directions import LawNormals, Unit
 from .parts import CheckFinite, ContactPart, OverParts
+from .sides import Sides
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
 CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
@@ -60,11 +60,8 @@ class ContactBoundary:
     def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any,
                  pieces: Pieces | None = None) -> None:
         # Over the quadrature points of all foundations, which are the pairs; then over the n contact points.
-        joints = [foundation.kind == "joint" for foundation in problem.foundation]
-        # The side of a joint of which n is the outward normal.
-        side = np.where(facets.interfaces.sign > 0, 0, 1) if any(joints) else 0
-        parts = [BoundaryQuadrature.On(facets, foundation.boundary, rules, side=side, pieces=pieces)
-                 for foundation in problem.foundation]
+        sides = [Sides(facets, foundation, rules, pieces) for foundation in problem.foundation]
+        parts, joints = [first for first, *_ in sides], [len(both) > 1 for both in sides]
         points, inside, coordinates, normals, weights, self.boundaryelements = (
             np.concatenate([getattr(part, name) for part in parts])
             for name in ("points", "inside", "coordinates", "normals", "weights", "boundaryelements"))
@@ -72,9 +69,7 @@ class ContactBoundary:
         dim, trace = normals.shape[1], TraceMatrix(space, scalar, inside)
         self.joined, self.beyond = np.array(joints)[owner], inside.copy()
         if any(joints):
-            others = [BoundaryQuadrature.On(facets, foundation.boundary, rules, side=1 - side, pieces=pieces)
-                      for foundation in problem.foundation]
-            self.beyond = np.concatenate([other.inside for other in others])
+            self.beyond = np.concatenate([both[-1].inside for both in sides])
             trace = trace - sp.diags(np.repeat(self.joined, dim).astype(float)) @ TraceMatrix(space, scalar, self.beyond)
         self.members = SharedPoints(trace[::dim], normals, owner)           # pairs -> n
         _, first = np.unique(self.members, return_index=True)
@@ -88,8 +83,8 @@ class ContactBoundary:
         self.coordinates, self.inside, points, owner = coordinates[first], inside[first], points[first], owner[first]
         self.beyond, self.joined = self.beyond[first], self.joined[first]
         self.trace = trace[(first[:, None] * dim + np.arange(dim)).ravel()]
-        sides = (self.inside, self.beyond) if any(joints) else (self.inside,)
-        self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(problem.material.ShearAt(at).min() for at in sides)
+        within = (self.inside, self.beyond) if any(joints) else (self.inside,)
+        self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(problem.material.ShearAt(at).min() for at in within)
         self.gap = np.empty(len(self.weights))
         self.parts = []
         for place, foundation in enumerate(problem.foundation):

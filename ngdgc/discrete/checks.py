@@ -13,7 +13,7 @@ from ..data.inside import CheckMaterials
 from ..data.regions import Matching
 from ..exceptions import ProblemError
 from ..mesh.checks import CheckBoundary, CheckElements, CheckSides
-from ..mesh.facets import Facets, VolumePoints
+from ..mesh.facets import Facets, SecondOrder, VolumePoints
 from ..mesh.quadrature import BoundaryQuadrature
 from ..problem.problem import ContactProblem
 
@@ -60,12 +60,12 @@ def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
                                "conditions are for the outer boundary only: give a Joint there, or rename the interface")
 
 
-def CheckJoints(problem: ContactProblem, method: Method, assembly: str) -> None:
-    """Joints need functions that jump there, and a form that leaves their facets out."""
-    if problem.joints and not method.discontinuous:
-        raise ProblemError(f"method {method.name} has continuous displacements, which do not jump on joint "
-                           f"{problem.joints[0]!r}; take a discontinuous method such as LDG()")
-    if problem.joints and assembly == "skeleton":
+def CheckJoints(problem: ContactProblem, method: Method, mesh: Mesh, assembly: str) -> None:
+    """Joints need a form that leaves their facets out, and continuous functions a mesh whose nodes can be doubled there."""
+    if problem.joints and not method.discontinuous and (SecondOrder(mesh) or mesh.deformation is not None):
+        raise ProblemError(f"the mesh has elements of second order or a deformation, and method {method.name} needs its nodes "
+                           f"doubled on joint {problem.joints[0]!r}; take a discontinuous method such as LDG()")
+    if problem.joints and method.discontinuous and assembly == "skeleton":
         raise ProblemError(f"assembly is 'skeleton', which couples elements across joint {problem.joints[0]!r}; take 'facet'")
 
 

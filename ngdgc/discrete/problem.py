@@ -15,6 +15,7 @@ from ..linear.choice import CheckInverter, Chosen
 from ..linear.equations import LinearEquations
 from ..linear.motions import FreeMotions, ProjectedMotions
 from ..linear.outside import Made
+from ..mesh.doubling import Doubled
 from ..mesh.facets import Csr, Facets, Native, Threads
 from ..mesh.quadrature import ContactRules
 from ..methods.coercivity import CheckCoercivity, CheckSum
@@ -44,6 +45,7 @@ class DiscreteProblem(LinearEquations):
 
     Attributes
     ----------
+    given : the mesh that was given;  mesh : the same, or of continuous methods one whose nodes are doubled along joints
     origin : displacement of the contact points from which slip counts (n, d), or None: the undeformed body
     derived : {name: value} of what is frozen, if it was asked for;  elastic : the same for what follows from the matrix alone,
         which copies with other loads share
@@ -64,12 +66,15 @@ class DiscreteProblem(LinearEquations):
         order = Order(order, mesh.dim)
         CheckAssembly(mesh.ne, mesh.dim, order, discontinuous=method.discontinuous)
         self.method: Any = method
-        self.problem, self.mesh, self.order, self.assembly = problem, mesh, order, assembly
+        self.problem, self.given, self.order, self.assembly = problem, mesh, order, assembly
         self.wanted = inverse
         self.facets = Facets(mesh, problem.joints)
-        CheckJoints(problem, method, assembly)
+        CheckJoints(problem, method, mesh, assembly)
         CheckRegions(problem, mesh, self.facets)
-        self.space = method.Space(mesh, self.order, "|".join(problem.dirichlet))
+        if problem.joints and not method.discontinuous:
+            self.facets = Doubled(self.facets)
+        self.mesh = self.facets.mesh
+        self.space = method.Space(self.mesh, self.order, "|".join(problem.dirichlet))
         self.derived: dict[str, Any] = {}
         self.elastic: dict[str, Any] = {}
         self.origin: Array | None = None
@@ -78,7 +83,7 @@ class DiscreteProblem(LinearEquations):
 
     def _Read(self) -> None:
         """Evaluate the data as they are now."""
-        self.state = State(self.problem, self.mesh)
+        self.state = State(self.problem, self.given)
         CheckData(self.problem, self.mesh, self.facets)
         scalar, rules = self.method.ScalarSpace(self.mesh, self.order), ContactRules(self.method, self.mesh.dim, self.order)
         CheckSpace(self.method, self.space, scalar, self.mesh, "|".join(self.problem.dirichlet))

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, BaseMatrix, CoefficientFunction, Discontinuous,
-                     ElementId, FESpace, FacetFESpace, GridFunction, IfPos, IntegrationRule, L2, LinearForm, Mesh, Projector,
+                     FESpace, FacetFESpace, GridFunction, IfPos, IntegrationRule, L2, LinearForm, Mesh, Projector,
                      TaskManager, dx, x, y, z)
 from ngsolve.la import SparseMatrixd
 
@@ -111,10 +111,13 @@ class Facets:
     `ofelements` are the facet numbers of all elements, one element after the other, each in NGSolve's local order; `incidence`
     is the sparse (facets x elements) matrix with entry |e| where e is a facet of K; all other facet data are arrays over
     facets, in the numbering of FacetFESpace.
+
+    joints : their regions
+    doubled : (2, n), boundary elements of their first and second sides where a mesh has its nodes `doubling.Doubled`; or None
     """
 
-    def __init__(self, mesh: Mesh, joints: Iterable[str] = ()) -> None:
-        self.mesh, self.space, self.joints = mesh, FacetFESpace(mesh, order=0), tuple(joints)
+    def __init__(self, mesh: Mesh, joints: Iterable[str] = (), doubled: np.ndarray | None = None) -> None:
+        self.mesh, self.space, self.joints, self.doubled = mesh, FacetFESpace(mesh, order=0), tuple(joints), doubled
         # The dofs of this space are the sides of the elements, in the elements' local order.
         v, number = Discontinuous(self.space).TestFunction(), self.Function(np.arange(self.space.ndof))
         with Threads(mesh):
@@ -191,6 +194,14 @@ class Facets:
         return cut
 
     @cached_property
+    def beyond(self) -> np.ndarray:
+        """True for the facets of the second sides of joints where nodes are doubled, over facets."""
+        beyond = np.zeros(len(self.neighbours), dtype=bool)
+        if self.doubled is not None:
+            beyond[self.boundary[0][self.doubled[1]]] = True
+        return beyond
+
+    @cached_property
     def component(self) -> np.ndarray:
         """Number of the connected part of the mesh, over elements; parts hang together through facets that are no joints."""
         return Components(self)
@@ -245,24 +256,6 @@ class Facets:
         largest = np.zeros(len(self.neighbours))
         largest[self.neighbours > 0] = np.maximum.reduceat(values[self.incidence.indices], pattern)
         return largest
-
-
-def BoundaryFunction(facets: Facets, gfu: GridFunction) -> tuple[list[Array], list[Array]]:
-    """(vertices (n, d), one-sided values of gfu there (n, d)) of every boundary element, two lists; NaN beside the body."""
-    mesh, corners, values = facets.mesh, [], []
-    points = mesh.ngmesh.Coordinates()
-    for element in mesh.Elements(BND):
-        corners.append(np.array([points[vertex.nr] for vertex in element.vertices]))
-        facet = facets.boundary[0][element.nr]
-        volumes = facets.incidence.indices[facets.incidence.indptr[facet]:facets.incidence.indptr[facet + 1]]
-        volume = mesh[ElementId(VOL, int(volumes[0]))] if len(volumes) else None
-        if volume is None or not set(element.vertices) <= set(volume.vertices):
-            values.append(np.full(corners[-1].shape, np.nan))
-            continue
-        trafo = mesh.GetTrafo(ElementId(VOL, volume.nr))
-        inside = [REFERENCE_VERTICES[volume.type][list(volume.vertices).index(vertex)] for vertex in element.vertices]
-        values.append(np.array([gfu(trafo(*corner)) for corner in inside]))
-    return corners, values
 
 
 def Projected(space: FESpace, function: CoefficientFunction) -> Array:

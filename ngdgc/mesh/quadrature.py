@@ -88,6 +88,11 @@ class BoundaryQuadrature:
         return cls(points=points, inside=inside, weights=weights, coordinates=coordinates,
                    normals=normals / np.linalg.norm(normals, axis=1)[:, None])
 
+    def At(self, rows: np.ndarray) -> BoundaryQuadrature:
+        """The points of these numbers, in their order."""
+        return BoundaryQuadrature(points=self.points[rows], inside=self.inside[rows], coordinates=self.coordinates[rows],
+                                  normals=self.normals[rows], weights=self.weights[rows])
+
 
 def _Applied(facets: Facets, region: str, rules: Any, pieces: Pieces | None) -> tuple[Any, Array]:
     """Mesh points on the boundary elements of a region and their weights on the reference elements, (n,), by rules."""

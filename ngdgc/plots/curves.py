@@ -53,8 +53,8 @@ class Curve:
 def Curves(disc: DiscreteProblem, region: str) -> list[Curve]:
     """The `Curve`s of a boundary region, of its outer part if it has one, curved edges and edges of order > 1 subdivided."""
     mesh, facets = disc.mesh, disc.facets
-    outer = facets.On(region) & (facets.neighbours == 1)
-    wanted = outer if outer.any() else facets.On(region) & facets.cut
+    outer = facets.On(region) & (facets.neighbours == 1) & ~facets.cut
+    wanted = outer if outer.any() else facets.On(region) & facets.cut & ~facets.beyond
     second = (facets.neighbours > 1) & (facets.interfaces.sign < 0)
     number = Intervals(disc) + 1
     rule = IntegrationRule(points=[(t,) for t in np.linspace(0, 1, number)], weights=[1] * number)

@@ -1,12 +1,14 @@
-"""Where boundary regions of a solid are: faces, places for their names, and the rims of plane cuts through them."""
+"""Where boundary regions are: faces of a solid, places for their names, rims of plane cuts, and functions on them."""
 
 from __future__ import annotations
 
 import numpy as np
+from ngsolve import BND, VOL, ElementId, GridFunction
 
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..mesh.checks import Sides
+from ..mesh.facets import REFERENCE_VERTICES, Facets
 
 SEEN = 0.1      # cosine to the eye from which a face is seen
 ON = 1e-9       # distance of corners from a plane that they lie on, relative to the body
@@ -22,7 +24,8 @@ class SurfaceFaces:
     def __init__(self, disc: DiscreteProblem) -> None:
         facets, points = disc.facets, disc.mesh.ngmesh.Coordinates()
         self.numbers = np.flatnonzero(Sides(facets, ".*"))
-        self.numbers = self.numbers[facets.neighbours[facets.boundary[0][self.numbers]] == 1]
+        outer = (facets.neighbours == 1) & ~facets.cut
+        self.numbers = self.numbers[outer[facets.boundary[0][self.numbers]]]
         sides, regions, vertices = (array[self.numbers] for array in facets.boundary)
         self.regions = np.array(disc.mesh.GetBoundaries())[regions]
         self.corners = [points[row[row >= 0]] for row in vertices]
@@ -62,3 +65,21 @@ class SurfaceFaces:
                 pieces.append(face[across] + share * (after - face)[across])
                 normals.append(outward)
         return {name: (np.array(pieces), np.array(normals)) for name, (pieces, normals) in rims.items()}
+
+
+def BoundaryFunction(facets: Facets, gfu: GridFunction) -> tuple[list[Array], list[Array]]:
+    """(vertices (n, d), one-sided values of gfu there (n, d)) of every boundary element, two lists; NaN beside the body."""
+    mesh, corners, values = facets.mesh, [], []
+    points = mesh.ngmesh.Coordinates()
+    for element in mesh.Elements(BND):
+        corners.append(np.array([points[vertex.nr] for vertex in element.vertices]))
+        facet = facets.boundary[0][element.nr]
+        volumes = facets.incidence.indices[facets.incidence.indptr[facet]:facets.incidence.indptr[facet + 1]]
+        volume = mesh[ElementId(VOL, int(volumes[0]))] if len(volumes) else None
+        if volume is None or not set(element.vertices) <= set(volume.vertices):
+            values.append(np.full(corners[-1].shape, np.nan))
+            continue
+        trafo = mesh.GetTrafo(ElementId(VOL, volume.nr))
+        inside = [REFERENCE_VERTICES[volume.type][list(volume.vertices).index(vertex)] for vertex in element.vertices]
+        values.append(np.array([gfu(trafo(*corner)) for corner in inside]))
+    return corners, values

@@ -12,9 +12,9 @@ from matplotlib.patches import Patch
 
 from ..contact.graph import ZONES
 from ..contracts import Array
-from ..mesh.facets import BoundaryFunction
 from ..solution.solution import ContactSolution
 from .canvas import ZONE_COLOURS
+from .regions import BoundaryFunction
 
 ARROWS = 100        # of friction in a map, about
 

@@ -15,11 +15,10 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from ..contact.graph import ZONES
 from ..contracts import Array
-from ..mesh.facets import BoundaryFunction
 from ..solution.solution import ContactSolution
 from ..tools.values import Vectors
 from .canvas import APART, PLACED, ZONE_COLOURS, Unconverged
-from .regions import SEEN, SurfaceFaces
+from .regions import SEEN, BoundaryFunction, SurfaceFaces
 
 VIEWS = ((-25, -60), (25, 120))     # elevation and azimuth [degrees]: between them all six sides of a box are seen
 WIDE = 10           # of a figure with two views [inch]

@@ -24,8 +24,9 @@ class Joint(Foundation):
     so that pressing together is positive and g >= 0 the distance of the two sides before.  The second side feels t, the first
     one -t [stress].  What a solution has on a foundation it has on a joint, `displacement` and `slip` being those of [u].
 
-    The displacement jumps there in all discontinuous methods, assembled from facets.  A joint may end inside the body; parts
-    that hang together by joints alone are held by them as by foundations, each with its own free motions.
+    A joint may end inside the body; parts that hang together by joints alone are held by them as by foundations, each with its
+    own free motions.  Discontinuous methods leave the joint out of E0 (assembly="facet"); for Conforming nodes are doubled
+    along it on a copy of the mesh, which is solution.disc.mesh.
 
     Raises ProblemError as `Foundation` does.
 

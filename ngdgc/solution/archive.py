@@ -35,14 +35,14 @@ def Keep(solution: Any, folder: str | PathLike[str], *, more: dict[str, Any] | N
     penetration, slip = solution.penetration, disc.contact.Slip(solution.displacement)
     arrays = {"vector": solution.vector, "traction": solution.traction, "penetration": penetration, "slip": slip,
               "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(-1, 5),
-              "dofs": _Dofs(disc.space) if disc.mesh.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
+              "dofs": _Dofs(disc.space) if disc.given.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
               "origin": np.zeros((0, disc.mesh.dim)) if disc.origin is None else disc.origin, **(more or {}),
               **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
              "inverse": disc.wanted if isinstance(disc.wanted, str) else disc.inversekind, "added": bool(disc.added),
              "converged": bool(solution.converged), "solver": str(solution.solver), "summary": solution.ToJSON()}
-    storage.Write(folder, disc.mesh, arrays, words)
+    storage.Write(folder, disc.given, arrays, words)
 
 
 def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],

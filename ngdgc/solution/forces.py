@@ -83,7 +83,7 @@ def _Outward(disc: DiscreteProblem, region: str, on: Any) -> Array:
     if len(np.unique(interfaces.piece[on[within]])) > 1 and (len(own) > 1 or np.any(beyond == own)):
         raise ProblemError(f"region {region!r} is an interface of several pieces, and on which side of each the force acts "
                            "cannot be told; give material=, or the pieces names of their own")
-    return np.ones(len(on))
+    return np.where(disc.facets.beyond[on], 0.0, 1.0)
 
 
 def _Side(disc: DiscreteProblem, region: str, on: Any, material: str) -> Array:
@@ -91,9 +91,15 @@ def _Side(disc: DiscreteProblem, region: str, on: Any, material: str) -> Array:
     chosen = Matching(disc.mesh, material, "material", kind="material")
     own, beyond = disc.facets.interfaces.materials[on].T
     here, there = chosen[own], chosen[beyond] & (beyond >= 0)
-    if np.any(here & (own == beyond)):
+    if np.any(here & (own == beyond)) or _Doubled(disc, on[here]):
         raise ProblemError(f"region {region!r} has material {material!r} on both sides; give the region without material=, for "
                            "the force on the side whose outward normal is that of solution.flux")
     if not np.any(here | there):
         raise ProblemError(f"region {region!r} is no boundary of material {material!r}; give one that touches it")
     return here.astype(float) - there
+
+
+def _Doubled(disc: DiscreteProblem, on: Any) -> bool:
+    """True if both sides of a joint whose nodes are doubled are among facets."""
+    facets = disc.facets
+    return facets.doubled is not None and bool(np.isin(facets.boundary[0][facets.doubled], on).all(axis=0).any())

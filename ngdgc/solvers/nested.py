@@ -134,7 +134,7 @@ def _Coarse(disc: DiscreteProblem, meshes: Sequence[Mesh] | None) -> list[Discre
     """
     if meshes is not None:
         return [Coarser(disc, mesh, disc.order) for mesh in meshes]
-    mesh, points = disc.mesh, len(disc.contact.weights)
+    mesh, points = disc.given, len(disc.contact.weights)
     found: list[DiscreteProblem] = []
     while points > COARSEST:
         # In 2D half as fine a mesh costs a fifth of the whole; in 3D one of a quarter would say little.
@@ -148,7 +148,7 @@ def _Coarse(disc: DiscreteProblem, meshes: Sequence[Mesh] | None) -> list[Discre
         found.insert(0, coarse)
         points = len(coarse.contact.weights)
     if not found and points > COARSEST and disc.order > 1:
-        return [Coarser(disc, disc.mesh, 1)]
+        return [Coarser(disc, disc.given, 1)]
     return found
 
 

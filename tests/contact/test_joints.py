@@ -5,20 +5,23 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 from bodies import LINE, Crossed, Layers, Stacked
-from ngsolve import CF, specialcf, x, y, z
+from netgen.geom2d import SplineGeometry
+from ngsolve import CF, Integrate, Mesh, specialcf, x, y, z
 from problems import TEN
 
-from ngdgc import (LDG, BassiEtAl, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
-                   IncompleteInteriorPenalty, InteriorPenalty, Joint, NonsymmetricInteriorPenalty, NormalCompliance,
-                   ProblemError, SemismoothNewtonSolver, Solve, TrescaFriction, UzawaSolver)
+from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
+                   HookeMaterial, IncompleteInteriorPenalty, InteriorPenalty, Joint, NonsymmetricInteriorPenalty,
+                   NormalCompliance, ProblemError, SemismoothNewtonSolver, Solve, TrescaFriction, UzawaSolver)
 from ngdgc.contact.graph import ZONES
-from ngdgc.mesh.facets import Facets
+from ngdgc.contact.sides import Sides
+from ngdgc.mesh.doubling import Doubled
+from ngdgc.mesh.facets import Facets, Free
 
 K, P, NU, MID = 5000.0, 40.0, 0.3, 0.4      # stiffness of the joint, pressure, Poisson's ratio, height of the joint
 MODULI = {"soft": 500.0, "hard": 1000.0}
-ALL = [*TEN, NonsymmetricInteriorPenalty(), IncompleteInteriorPenalty()]
+ALL = [*TEN, NonsymmetricInteriorPenalty(), IncompleteInteriorPenalty(), Conforming()]
 BODIES = {2: Layers(2), 3: Stacked()}
-FAST = [InteriorPenalty(), LDG(form="lifting")]
+FAST = [InteriorPenalty(), LDG(form="lifting"), Conforming()]
 EVERY = pytest.mark.parametrize("dim, order", [(2, 1), (2, 2), (2, 3), (3, 1), (3, 2), (3, 3)])
 METHODS = pytest.mark.parametrize("method", [method if method in FAST else pytest.param(method, marks=pytest.mark.slow)
                                              for method in ALL], ids=repr)
@@ -37,7 +40,7 @@ def Confined(E):
     return E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
 
 
-def Sides(dim):
+def Walls(dim):
     return "left|right" if dim == 2 else "left|right|front|back"
 
 
@@ -56,14 +59,15 @@ def Patch(dim, tau, slip, *, coefficient=0.3):
     traction = CF(tuple(stress.ravel()), dims=(dim, dim)) * specialcf.normal(dim)
     problem = ContactProblem(Material(mesh), Joint("mid", NormalCompliance(K), friction=CoulombFriction(coefficient)),
                              dirichlet={"bottom": (0,) * dim, "top": (top[0], *(0,) * (dim - 2), top[1])},
-                             traction={Sides(dim): traction})
+                             traction={Walls(dim): traction})
     return problem, u
 
 
 def Balanced(solution, tol=1e-11, *, parts=MODULI):
-    """Every element, the whole, and every part: the flux on all its boundaries and on the joint."""
+    """Every element of discontinuous methods, the whole, and every part: tractions on all its boundaries and on the joint."""
     size = np.abs(solution.Force("top")).max()
-    return np.abs(solution.ElementImbalance()).max() < tol and solution.GlobalImbalance() < tol and all(
+    elements = not solution.disc.method.discontinuous or np.abs(solution.ElementImbalance()).max() < tol
+    return elements and solution.GlobalImbalance() < tol and all(
         np.abs(solution.Force(".*", material=name)).max() < tol * size for name in parts)
 
 
@@ -73,7 +77,7 @@ def test_jump_is_pressure_over_stiffness(method, dim, order):
     """A column under the pressure P between smooth walls: [u].n = P/k, to some hundred units of round-off of |u|/|[u]| = 10."""
     mesh = BODIES[dim]
     problem = ContactProblem(Material(mesh), Joint("mid", NormalCompliance(K), friction=CoulombFriction(0.3)),
-                             dirichlet={"bottom": (0,) * dim}, roller={Sides(dim): 0},
+                             dirichlet={"bottom": (0,) * dim}, roller={Walls(dim): 0},
                              traction={"top": (*(0,) * (dim - 1), -P)})
     solution = SemismoothNewtonSolver(tol=1e-14).Solve(Discretization(problem, method, mesh, order=order))
     assert np.abs(solution.penetration * K / P - 1).max() < 1e-11
@@ -153,8 +157,11 @@ def test_joint_that_starts_pressed_leaves_an_affine_body_as_it_is(method, mesh, 
     solution = SemismoothNewtonSolver(tol=1e-14).Solve(Discretization(problem, method, mesh, order=order))
     assert np.abs(solution.displacement).max() < 1e-13
     assert np.abs(solution.pressure / P - 1).max() < 1e-11
-    sign = solution.normals[:, -1:]
-    assert np.abs(solution.friction - sign * np.eye(dim)[0] * tau).max() < 1e-11 * P
+    # Where it meets Gamma_D both sides of continuous functions are held, and feel no friction.
+    disc = solution.disc
+    felt = np.diff(disc.contact.trace[:, Free(disc.space)].tocsr().indptr)[::dim] > 0
+    wanted = solution.normals[:, -1:] * np.eye(dim)[0] * tau
+    assert np.abs(solution.friction - wanted)[felt].max() < 1e-11 * P
     assert Balanced(solution, parts=())
     assert solution.At(*(0.7,) * dim) == pytest.approx(u(mesh(*(0.7,) * dim)), abs=1e-13)
 
@@ -231,3 +238,73 @@ def test_saved_solution_knows_its_joints(tmp_path):
     for wrong in (other, elsewhere):
         with pytest.raises(ProblemError):
             ContactSolution.Load(tmp_path / "saved", wrong)
+
+
+@pytest.mark.parametrize("path", [LINE, LINE[1:5], LINE[3:]], ids=["whole", "inside", "half"])
+def test_stiff_joint_is_no_joint(path):
+    """Pressed and sheared within friction it jumps by P/K, and so does u change: H1 is that of the uncut body within 1/K.
+
+    Discontinuous methods have a floor, what the penalty of their own facets does there: 1e-5 on this mesh.
+    """
+    mesh, data = Sheet(path=path), {"dirichlet": {"bottom": (0, 0)}, "traction": {"top": (3, -P)}}
+    at = [(0.3, 0.8), (0.71, 0.71), (0.9, 0.3)]
+
+    def Values(method, foundation):
+        problem = ContactProblem(HookeMaterial(E=1000, nu=NU), foundation, **data)
+        solution = Solve(Discretization(problem, method, mesh, order=2), tol=1e-12)
+        return np.array([solution.At(*point) for point in at])
+
+    away = Foundation("left", NormalCompliance(1), gap=1e3)
+    for method, floor in ((Conforming(), 0), (LDG(), 1e-5), (InteriorPenalty(), 1e-5)):
+        whole = Values(method, away)
+        changes = [np.abs(Values(method, Joint("mid", NormalCompliance(K * 1000), friction=CoulombFriction(1))) - whole).max()
+                   / np.abs(whole).max() for K in (1e4, 1e6, 1e8)]
+        assert all(change < 2 / K + floor for change, K in zip(changes, (1e4, 1e6, 1e8)))
+        assert changes[0] > 0.1 / 1e4       # and there is a joint
+
+
+@pytest.mark.parametrize("mesh, vertices", [(BODIES[2], None), (Sheet(path=LINE), 7), (Sheet(path=LINE[1:5]), 2),
+                                            (Sheet(path=LINE[3:]), 3), (BODIES[3], 4)],
+                         ids=["layers", "whole", "inside", "half", "solid"])
+def test_nodes_are_doubled_between_the_ends_of_a_joint(mesh, vertices):
+    """Elements, names and volume are kept; the sides have the same points, opposite normals, and materials in their order."""
+    facets = Facets(mesh, ["mid"])
+    doubled = Doubled(facets)
+    copies = doubled.mesh.nv - mesh.nv
+    assert copies == (vertices or np.sum(np.abs(mesh.ngmesh.Coordinates()[:, 1] - MID) < 1e-9))
+    assert doubled.mesh.ne == mesh.ne and list(doubled.mesh.GetBoundaries()) == list(mesh.GetBoundaries())
+    assert Integrate(CF(1), doubled.mesh) == pytest.approx(Integrate(CF(1), mesh))
+    assert doubled.component.max() == (0 if vertices in (2, 3) else 1)
+    joint = Joint("mid", NormalCompliance(1))
+    first, second = Sides(doubled, joint, 4)
+    assert first.coordinates == pytest.approx(second.coordinates) and first.normals == pytest.approx(-second.normals)
+    assert first.weights == pytest.approx(second.weights)
+    broken, beyond = Sides(facets, joint, 4)
+    assert first.elements.tolist() == broken.elements.tolist() and second.elements.tolist() == beyond.elements.tolist()
+
+
+def test_curved_bodies_stay_curved_where_nodes_are_doubled():
+    geometry = SplineGeometry()
+    p = [geometry.AppendPoint(*q) for q in [(0, 0), (1, 0), (1, 1), (0, 1)]]
+    for a, b, name, sides in ((0, 1, "bottom", (1, 0)), (3, 0, "mid", (1, 2))):
+        geometry.Append(["line", p[a], p[b]], bc=name, leftdomain=sides[0], rightdomain=sides[1])
+    geometry.Append(["spline3", p[1], p[2], p[3]], bc="rim", leftdomain=1, rightdomain=0)
+    q = [geometry.AppendPoint(*q) for q in [(-1, 0), (-1, 1)]]
+    for a, b in ((p[3], q[1]), (q[1], q[0]), (q[0], p[0])):
+        geometry.Append(["line", a, b], bc="left", leftdomain=2, rightdomain=0)
+    mesh = Mesh(geometry.GenerateMesh(maxh=0.4)).Curve(3)
+    doubled = Doubled(Facets(mesh, ["mid"])).mesh
+    assert doubled.GetCurveOrder() == 3
+    assert Integrate(CF(1), doubled) == pytest.approx(Integrate(CF(1), mesh), rel=1e-13)
+    assert Integrate(CF(1), doubled) > 1.6
+
+
+def test_solution_on_doubled_nodes_is_saved_with_the_mesh_that_was_given(tmp_path):
+    problem, _ = Patch(2, 8.0, 0.0)
+    disc = Discretization(problem, Conforming(), BODIES[2], order=2)
+    solution = Solve(disc)
+    assert disc.given is BODIES[2] and disc.mesh is not BODIES[2]
+    solution.Save(tmp_path / "saved")
+    loaded = ContactSolution.Load(tmp_path / "saved", problem)
+    assert loaded.vector == pytest.approx(solution.vector, abs=1e-15)
+    assert loaded.Force("mid", material="soft") == pytest.approx([8, -P]) == solution.Force("mid")

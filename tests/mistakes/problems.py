@@ -4,7 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import scipy.sparse as sp
-from bodies import Layers
+from bodies import LINE, Crossed, Layers
 from mistakes import HELD, SOFT, Disc, Inside, Jointed, On
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, Variation, VectorL2, ds, dx, sqrt, x, y
@@ -36,6 +36,12 @@ def Renamed(name):
     mesh = RectangleMesh(2)
     mesh.ngmesh.SetBCName(mesh.GetBoundaries().index("right"), name)
     return mesh
+
+
+def SecondOrder():
+    mesh = Inside().ngmesh
+    mesh.SecondOrder()
+    return Mesh(mesh)
 
 
 def Refined():
@@ -139,8 +145,10 @@ PROBLEMS = [
     (lambda _: Joint("interface", SOFT, normal=(0, 1)),
      "Joint(...): there is no argument 'normal' | choose among boundary, compliance, friction, gap | choose"),
     (lambda _: Jointed(gap=sqrt(x - 0.5)), "joint 'interface': gap is not finite | point | look for"),
-    (lambda _: Jointed(Conforming()),
-     "method H1 has continuous displacements | do not jump on joint 'interface' | take a discontinuous method"),
+    (lambda _: Disc(Conforming(), mesh=SecondOrder(), foundation=[Joint("interface", SOFT)]),
+     "the mesh has elements of second order | needs its nodes doubled on joint 'interface' | take a discontinuous method"),
+    (lambda _: Disc(Conforming(), mesh=Crossed({"short": [LINE[2:4]]}), foundation=[Joint("short", SOFT)]),
+     "joint 'short' has no vertex between its ends | at which continuous displacements could jump | take smaller elements"),
     (lambda _: Disc(mesh=Inside(), foundation=[Joint("interface", SOFT)], assembly="skeleton"),
      "assembly is 'skeleton' | couples elements across joint 'interface' | take 'facet'"),
     (lambda _: Disc(roller={"top": 0}, traction={"top": CF((1, 1))}),

@@ -9,7 +9,7 @@ from problems import Pressed
 from ngdgc import Conforming, InteriorPenalty, ProblemError, UzawaSolver
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.cli import Main
-from ngdgc.mesh.facets import BoundaryFunction
+from ngdgc.plots.regions import BoundaryFunction
 from ngdgc.meshes import BoxMesh
 from ngdgc.commands.output import WriteResults
 from ngdgc.plots import ComparisonFigure, HistoryFigure, LawFigure, ZonesFigure

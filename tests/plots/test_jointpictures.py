@@ -5,23 +5,24 @@ import pytest
 from bodies import LINE, Crossed, Layers, Stacked
 from ngsolve import x
 
-from ngdgc import (LDG, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, Joint, NormalCompliance,
-                   Solve)
+from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, Joint,
+                   NormalCompliance, Solve)
 from ngdgc.plots import ComparisonFigure, ContactFigure, DeformedFigure, LawFigure, SettingFigure, ZonesFigure
 from ngdgc.plots.curves import Along, Curves
 
 
-def Solved(mesh, *, order=2):
+def Solved(mesh, *, order=2, method=None):
     laws, up = {"compliance": NormalCompliance(5000), "friction": CoulombFriction(0.3)}, (0,) * (mesh.dim - 2)
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), [Foundation("bottom", **laws), Joint("mid", gap=0.002 * x, **laws)],
                              dirichlet={"top": (0.01, *up, -0.03)})
-    return Solve(Discretization(problem, LDG(), mesh, order=order))
+    return Solve(Discretization(problem, method or LDG(), mesh, order=order))
 
 
 @pytest.mark.parametrize("mesh, extent", [(Layers(2), [0, 1]), (Crossed({"mid": [LINE[1:5]]}), [1 / 6, 2 / 3])],
                          ids=["through", "inside"])
-def test_curves_of_a_joint_have_its_first_side_on_the_left(mesh, extent):
-    disc = Solved(mesh).disc
+@pytest.mark.parametrize("method", [LDG(), Conforming()], ids=repr)
+def test_curves_of_a_joint_have_its_first_side_on_the_left(mesh, extent, method):
+    disc = Solved(mesh, method=method).disc
     (curve,), (along,) = Curves(disc, "mid"), Along(disc, "mid")
     assert sorted(curve.coordinates[[0, -1], 0]) == pytest.approx(extent)
     normal = disc.contact.normals[disc.contact.joined][0]
@@ -34,8 +35,9 @@ def test_curves_of_a_joint_have_its_first_side_on_the_left(mesh, extent):
     assert all(set(np.round(part.coordinates.ravel(), 9)) & {0.0, 1.0} for part in Curves(disc, ".*"))
 
 
-def test_plane_figures():
-    solution = Solved(Layers(2))
+@pytest.mark.parametrize("method", [LDG(), Conforming()], ids=repr)
+def test_plane_figures(method):
+    solution = Solved(Layers(2), method=method)
     pressed = solution.disc.contact.joined
     setting, deformed = SettingFigure(solution.disc).axes[0], DeformedFigure(solution).axes[0]
     assert [line.get_color() for line in setting.lines if line.get_gid() == "joint"] == ["#CC3311", "white"]
@@ -50,8 +52,9 @@ def test_plane_figures():
     assert LawFigure(solution).axes and ComparisonFigure({"one": solution, "two": solution}).axes
 
 
-def test_solid_figures():
-    solution = Solved(Stacked(), order=1)
+@pytest.mark.parametrize("method", [LDG(), Conforming()], ids=repr)
+def test_solid_figures(method):
+    solution = Solved(Stacked(), order=1, method=method)
     assert "joint 'mid' inside" in SettingFigure(solution.disc).get_suptitle() + "".join(
         axes.get_title() for axes in SettingFigure(solution.disc).axes)
     assert "zones, 'mid'" in [axes.get_title() for axes in ContactFigure(solution).axes]

@@ -14,7 +14,7 @@ from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretizat
                    NormalCompliance, ProblemError, UzawaSolver)
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.export import WriteHTML, WriteVTK
-from ngdgc.mesh.facets import BoundaryFunction
+from ngdgc.plots.regions import BoundaryFunction
 from ngdgc.meshes import BoxMesh
 from ngdgc.commands.output import WriteResults
 from ngdgc.plots import ZONE_COLOURS, ContactFigure, DeformedFigure, HistoryFigure, SettingFigure

@@ -64,7 +64,7 @@ class ReferenceElement:
         self.points, self.weights = _Points(rule)
         spaces = L2(mesh, order=order), L2(mesh, order=liftorder)
         v, p = (space.GetFE(ElementId(VOL, 0)) for space in spaces)
-        self.dv, self.p = Gradients(v, self.points, self.dim), _Values(p, self.points)
+        self.dv, self.p = Gradients(v, self.points, self.dim), Values(p, self.points)
         traces = FacetFESpace(mesh, order=order)
         numbers = [facet.nr for facet in mesh[ElementId(VOL, 0)].facets]
         facets = {}
@@ -95,8 +95,8 @@ class ReferenceElement:
         corners = self._vertices[[list(rank).index(vertex.nr) for vertex in element.vertices]]
         inside = VertexFunctions(element.type, points[:, 0], points[:, 1]) @ corners
         inside = np.pad(inside, ((0, 0), (0, 3 - inside.shape[1])))
-        return FacetShapes(inside, weights, ReferenceNormal(corners, self._vertices.mean(axis=0), self.dim), _Values(v, inside),
-                           Gradients(v, inside, self.dim), _Values(p, inside), _Values(mu, points))
+        return FacetShapes(inside, weights, ReferenceNormal(corners, self._vertices.mean(axis=0), self.dim), Values(v, inside),
+                           Gradients(v, inside, self.dim), Values(p, inside), Values(mu, points))
 
 
 Shapes = ReferenceElement | FacetShapes
@@ -113,7 +113,7 @@ def _Points(rule: IntegrationRule) -> tuple[Array, Array]:
     return np.pad(points, ((0, 0), (0, 3 - points.shape[1]))), np.array(rule.weights)
 
 
-def _Values(element: Any, points: Array) -> Array:
+def Values(element: Any, points: Array) -> Array:
     """(q, functions)"""
     return np.array([np.array(element.CalcShape(*map(float, point))) for point in points])
 

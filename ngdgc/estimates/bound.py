@@ -1,12 +1,7 @@
 """An upper bound of the error in the energy norm, where theory has one.
 
-With a = s - s_h, s symmetric and in equilibrium (`symmetric`), b = C eps(v) - s_h, norms |.| of C^-1, Phi the Fenchel-Young
-gaps of the law at (v, -s n) (`lawpart`) and I what of -s n no law can give, the error x = |C eps(u) - s_h| satisfies
-
-    x^2 <= (|a + b| + I) x + Phi + I |b| - (a, b),
-
-because (C eps(u) - s, eps(u) - eps(v)) <= Phi for a law that is the derivative of a convex function: without friction, or with
-a bound of friction that is given (Tresca).  One that depends on the solution, p_t with |dp_t/dp_n| <= L, makes the problem
+`Hypercircle` bounds the error for a law that is the derivative of a convex function: without friction, or with a bound of
+friction that is given (Tresca).  One that depends on the solution, p_t with |dp_t/dp_n| <= L, makes the problem
 quasi-variational: the right-hand side bounds the error against the problem with the computed bound of friction, and 1/(1 - q)
 times that the error itself, q = L kappa,
 
@@ -26,49 +21,42 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import ET
 
 from ..contact.parts import ContactPart, OverParts
 from ..contracts import Array
 from ..mesh.facets import Csr, Native
-from .equilibrated import Complementary, EquilibratedStress, Stress
-from .lawpart import LawPart, Pushed
+from .equilibrated import EquilibratedStress
+from .hypercircle import ElementConstants, Hypercircle
+from .lawpart import Pushed
 from .oscillation import Contained
 from .potential import Potential
-from .symmetric import Split, Symmetrised
+from .stressfunction import Relaxed
 
 PATCHES = 12            # of Gamma_C, for kappa
 LARGEST = 0.5           # q up to which the factor is given
-SHARP = 1e-10           # relative to the load: body forces that V_h contains
-SYMMETRIC = {ET.TRIG, ET.QUAD, ET.TET}
+SWEEPS = 4              # of the stress
 
 
 def Bound(solution: Any) -> tuple[float | None, str]:
     """(an upper bound of the error in the energy norm or None, what it holds for or why there is none)."""
     with solution.state.Restored():
-        reason = _Refusal(solution.disc)
-        q, words = (None, reason) if reason else _Feedback(solution)
+        q, words = _Feedback(solution)
         if q is None:
             return None, words
-        stress, potential = EquilibratedStress(solution), Potential(solution)
+        stress, potential = Relaxed(EquilibratedStress(solution), SWEEPS), Potential(solution)
         reason = Contained(solution.disc, stress, potential)
         if reason:
             return None, reason
-        found = [_Hypercircle(solution, stress, potential)]
+        korn = ElementConstants(solution.disc)
+        found = [Hypercircle(solution, stress, potential, korn)]
         pushed = Pushed(solution, potential, stress)
         if pushed is not None:
-            found.append(_Hypercircle(solution, stress, pushed))
+            found.append(Hypercircle(solution, stress, pushed, korn))
+        if korn.any():
+            words += ", and with Korn's constants of elements where s is not symmetric, computed from below, and a quarter more"
     if not np.isfinite(min(found)):
         return None, "the body force is no polynomial of degree k on the elements"
     return min(found) / (1 - q), words
-
-
-def _Refusal(disc: Any) -> str:
-    if {group.et for group in disc.facetform.operators.groups} - SYMMETRIC:
-        return "no symmetric stress in equilibrium is known here on hexahedra and prisms"
-    if not all(group.uniform for group in disc.facetform.operators.groups):
-        return "the elements are curved or no parallelograms, or the material varies in them"
-    return ""
 
 
 def _Feedback(solution: Any) -> tuple[float | None, str]:
@@ -153,25 +141,3 @@ def _Tangents(normals: Array) -> list[Array]:
     first = np.cross(normals, away)
     first /= np.linalg.norm(first, axis=1)[:, None]
     return [first, np.cross(normals, first)]
-
-
-def _Hypercircle(solution: Any, stress: EquilibratedStress, potential: Potential) -> float:
-    """The bound of the problem with the computed bound of friction; infinite if s is not in equilibrium with the load."""
-    disc, order = solution.disc, solution.disc.order
-    plus = minus = jumps = rest = size = 0.0
-    for batch in stress.Batches(lambda group: group.With(lambda shape: Split(group.et, order, shape))):
-        C = batch.group.Stiffness()
-        a = Symmetrised(batch, order) - batch.computed
-        b = Stress(C, potential.Gradient(batch.group)) - batch.computed
-        plus, minus, jumps = (total + batch.Integral(Complementary(C, value)).sum()
-                              for total, value in ((plus, a + b), (minus, a - b), (jumps, b)))
-        force = batch.BodyForce(disc.problem)
-        rest += batch.Integral(np.square(force + batch.divergence).sum(axis=2)).sum()
-        size += batch.Integral(np.square(force).sum(axis=2)).sum()
-    if rest > (SHARP ** 2 * size if size else np.inf):
-        return np.inf
-    parts = LawPart(solution, potential, stress)
-    law = sum(gaps.weights @ gaps.gap for gaps in parts)
-    cut = np.sqrt(sum(gaps.weights @ gaps.cut for gaps in parts))
-    middle = np.sqrt(plus) + cut
-    return float((middle + np.sqrt(middle ** 2 + 4 * (law + cut * np.sqrt(jumps) - (plus - minus) / 4))) / 2)

@@ -19,6 +19,7 @@ SIAM J. Numer. Anal. 45 (2007); Ern, Nicaise, Vohralik, C. R. Acad. Sci. Paris 3
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -80,14 +81,21 @@ class EquilibratedStress:
         self._flux = solution.flux.vec.FV().NumPy() * turned
         self._theta = self.form.theta if self.form.consistent else 0
         self._jump: Any = self.form.Jump(gfu) if self._theta else None
+        self._added: Any = None
 
-    def Batches(self, Seen: Callable[[ElementGroup], ElementGroup] | None = None) -> Iterator[StressBatch]:
+    def With(self, added: Any) -> EquilibratedStress:
+        """s and a CoefficientFunction (d d,) without divergence, and without traction off Gamma_D."""
+        other = copy(self)
+        other._added = added
+        return other
+
+    def Batches(self, Seen: Callable[[ElementGroup], ElementGroup | None] = lambda group: None) -> Iterator[StressBatch]:
         """All elements, each once.
 
-        Seen : gives the elements of a group at other points than those of a quadrature for norms
+        Seen : gives the elements of a group at other points than those of a quadrature for norms, or None for these
         """
-        fines = self._fine.groups if Seen is None else map(Seen, self.operators.groups)
-        for number, (group, fine) in enumerate(zip(self.operators.groups, fines)):
+        for number, (group, usual) in enumerate(zip(self.operators.groups, self._fine.groups)):
+            fine = Seen(group) or usual
             signs = self.operators.Signs(number)
             lifted = self._Liftings(number) if self._theta and self.form.lifted else None
             points = fine.MeshPoints(self.disc.mesh, fine.reference)
@@ -112,6 +120,8 @@ class EquilibratedStress:
             divergence[rows] = np.swapaxes(coefficients @ element.divergences.T, 1, 2)
         G, volume = fine.Geometry()
         equilibrated = reference @ np.swapaxes(np.linalg.inv(G), 2, 3) / volume[..., None, None]
+        if self._added is not None:
+            equilibrated += np.asarray(self._added(points.ravel())).reshape(equilibrated.shape)
         return StressBatch(fine, points, volume * fine.reference.weights, self._Computed(fine), equilibrated,
                            divergence / volume[..., None], self._Diameters(part))
 

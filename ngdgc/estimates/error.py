@@ -20,10 +20,12 @@ from .lawpart import LawPart
 from .loadquadrature import LoadQuadrature
 from .oscillation import BodyOscillation, TractionOscillation
 from .piola import FACTORS
-from .potential import Potential
+from .potential import Potential, Sweeps
+from .stressfunction import Relaxed
 
 PARTS = ("stress", "skew", "jumps", "law", "feasibility", "data")
 SIMPLICES = ET.TRIG, ET.TET
+FASTER = 4          # sweeps of the stress for each of the potential, of which they cost a small part
 POLYNOMIAL = 1e-4   # share of the data in value^2 up to which quadrature has seen all of them
 
 
@@ -41,10 +43,11 @@ def EstimateError(solution: Any) -> ErrorEstimate:
     |skew s|^2 : C^-1 of skew matrices is 1/(2 mu); on quadrilaterals, hexahedra and prisms, where one of s_ij and s_ji sees
         less of a shear than the other, the larger one counts for both
 
-    For linear problems with s symmetric value is a bound (Prager and Synge).  No constant is chosen.  The cost is a small part
-    of that of the solution: no equation is solved unless a load jumps inside of elements.  `ErrorEstimate.bound` makes s
-    symmetric on triangles, parallelograms and tetrahedra; with friction that depends on the solution it takes some applications
-    of A^-1.
+    Of a nearly incompressible body, or one of very different materials, s is brought nearer to s_h (`stressfunction`).  For
+    linear problems with s symmetric value is a bound (Prager and Synge).  No constant is chosen.  The cost is a small part of
+    that of the solution: no equation is solved unless a load jumps inside of elements.  `ErrorEstimate.bound` makes s symmetric
+    on triangles, parallelograms and tetrahedra, elsewhere it takes Korn's constants; with friction that depends on the
+    solution it takes some applications of A^-1.
 
     Raises ProblemError if the solution has not converged; for H1, which has no numerical flux; for methods of your own that are
     no rows of facet operators; with forms that were added or springs; for pyramids.
@@ -93,6 +96,9 @@ def _Squares(solution: Any) -> dict[str, Array]:
     """{name of a part: (elements,)}."""
     disc = solution.disc
     stress, potential = EquilibratedStress(solution), Potential(solution)
+    sweeps = Sweeps(disc.problem.material, disc.mesh)
+    if sweeps:
+        stress = Relaxed(stress, FASTER * sweeps)
     squares = {name: np.zeros(disc.mesh.ne) for name in PARTS}
     for batch in stress.Batches():
         C, elements = batch.group.Stiffness(), batch.group.elements

@@ -39,7 +39,7 @@ class Potential:
     def __init__(self, solution: Any) -> None:
         disc = solution.disc
         self.mesh, problem = disc.mesh, disc.problem
-        sweeps = _Sweeps(problem.material, self.mesh)
+        sweeps = Sweeps(problem.material, self.mesh)
         self.order = disc.order + (2 if sweeps else 1)
         fixed = "|".join([*problem.dirichlet, *problem.roller, *(foundation.boundary for foundation in problem.foundation)])
         self.gfu = GridFunction(VectorH1(self.mesh, order=self.order, dirichlet=fixed))
@@ -107,7 +107,8 @@ class Potential:
         return part.AtPoints(lambda shape: _Gradients(part.et, self.order, shape), local) @ G
 
 
-def _Sweeps(material: Any, mesh: Any) -> int:
+def Sweeps(material: Any, mesh: Any) -> int:
+    """How many sweeps the functions of an estimate need."""
     swelling, shear = Swelling(material, mesh), material.ShearAt(VolumePoints(mesh, 0))
     if swelling > VERY:
         return 2

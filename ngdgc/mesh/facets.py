@@ -47,11 +47,11 @@ def Csr(matrix: BaseMatrix) -> sp.csr_matrix:
     return sp.csr_matrix(matrix.CSR(), shape=(matrix.height, matrix.width), copy=True)
 
 
-def Free(space: FESpace) -> np.ndarray:
-    """True for the free dofs of a space, (ndof,)."""
+def Free(space: FESpace, *, inner: bool = True) -> np.ndarray:
+    """True for the free dofs of a space, (ndof,); inner=False: without those inside of elements, which condensation removes."""
     ones = GridFunction(space).vec
     ones.FV().NumPy()[:] = 1
-    Projector(space.FreeDofs(), True).Project(ones)     # to ask a BitArray one by one takes long
+    Projector(space.FreeDofs(not inner), True).Project(ones)     # to ask a BitArray one by one takes long
     return ones.FV().NumPy() > 0
 
 
@@ -124,9 +124,8 @@ class Facets:
             measure, moment = (LinearForm(f * v * dx(element_boundary=True)).Assemble().vec.FV().NumPy().copy()
                                for f in (CF(1), number))
         self.ofelements = np.rint(moment / measure).astype(np.int64)                # over sides, element by element
-        counts = np.zeros(self.vertices.shape[1] + 1, dtype=np.int64)               # of sides, by the number of vertices
-        for vertices, sides in SIDES[mesh.dim].items():
-            counts[vertices:vertices + 1] = sides
+        # Of sides, by the number of vertices.
+        counts = np.array([SIDES[mesh.dim].get(number, 0) for number in range(self.vertices.shape[1] + 1)])
         self.starts = np.concatenate([[0], np.cumsum(counts[(self.vertices >= 0).sum(axis=1)])])
         sides = sp.csr_matrix((measure, self.ofelements, self.starts), shape=(mesh.ne, self.space.ndof))
         self.incidence = sides.T.tocsr()
@@ -152,18 +151,19 @@ class Facets:
 
     @cached_property
     def measure(self) -> Array:
-        sums = np.asarray(self.incidence.sum(axis=1)).ravel()
         # A facet of a boundary element that is no side of an element takes part in nothing, and is divided by.
-        return np.where(self.neighbours > 0, sums / np.maximum(self.neighbours, 1), 1.0)
+        return np.asarray(self.incidence.sum(axis=1)).ravel() / np.maximum(self.neighbours, 1) + (self.neighbours == 0)
 
     @cached_property
     def diameter(self) -> Array:
         """Largest distance of two vertices; in 2D the length of the edge."""
         if self.mesh.dim == 2:
             return self.measure
-        points = self.mesh.ngmesh.Coordinates()
-        return np.array([max(np.linalg.norm(points[a.nr] - points[b.nr]) for a in facet.vertices for b in facet.vertices)
-                         for facet in self.mesh.facets])
+        points, found = self.mesh.ngmesh.Coordinates(), np.ones(self.space.ndof)
+        for facet in self.mesh.facets:      # also those that refinement has halved, to which the space gives no number
+            found[[*self.space.GetDofNrs(facet)]] = max(np.linalg.norm(points[a.nr] - points[b.nr])
+                                                        for a in facet.vertices for b in facet.vertices)
+        return found
 
     @cached_property
     def orientation(self) -> CoefficientFunction:

@@ -68,9 +68,10 @@ def test_value_does_not_lose_touch_with_nearly_incompressible_bodies(nu, order, 
     exact = SmoothSlip(mu=2, lam=4 * nu / (1 - 2 * nu))
     solution = Solve(Discretization(exact.problem, InteriorPenalty(), RectangleMesh(6), order=order))
     true = EnergyError(solution, exact.displacement)
-    assert 1 < EstimateError(solution).value / true < 3.2
+    assert 1 < EstimateError(solution).value / true < 1.5
     if nu > 0.49:
-        monkeypatch.setattr(potential, "_Sweeps", lambda material, mesh: 0)
+        monkeypatch.setattr(error, "Relaxed", lambda stress, sweeps: stress)
+        monkeypatch.setattr(potential, "Sweeps", lambda material, mesh: 0)
         assert EstimateError(solution).value > 4 * true        # control: the average alone
 
 

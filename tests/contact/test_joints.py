@@ -54,7 +54,7 @@ def Patch(dim, tau, slip, *, coefficient=0.3):
     top = [sum(f * length / law(MODULI[name]) for name, length in (("soft", MID), ("hard", 1 - MID))) + jump
            for law, f, jump in ((Shear, tau, slip), (Confined, -P, -P / K))]
     side = -P * NU / (1 - NU)
-    stress = np.diag([side] * (dim - 1) + [-P])
+    stress = np.diag([side] * (dim - 1) + [-P]).astype(object)      # tau may depend on a Parameter
     stress[0, -1] = stress[-1, 0] = tau
     traction = CF(tuple(stress.ravel()), dims=(dim, dim)) * specialcf.normal(dim)
     problem = ContactProblem(Material(mesh), Joint("mid", NormalCompliance(K), friction=CoulombFriction(coefficient)),

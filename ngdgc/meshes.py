@@ -128,12 +128,13 @@ def ShapeMesh(shape: Any, maxh: float, *, order: int = 1) -> Mesh:
 def ReadMesh(file: str | PathLike[str]) -> Mesh:
     """The mesh in a file of Gmsh (.msh, format 2.2 or 4.1 in ASCII), Abaqus or CalculiX (.inp), or Netgen (.vol), 2D or 3D.
 
-    First order, and second order of triangles, quadrilaterals and tetrahedra, whose nodes keep their places.  Elements are
-    turned to have one orientation.  Names of regions: physical groups of Gmsh; of an .inp the ELSETs of *SOLID SECTION, else
-    of *ELEMENT, are materials, *SURFACE and node sets boundaries.  What has no name is "default".
+    First order, and second order of triangles, quadrilaterals and tetrahedra, whose nodes keep their places, of hexahedra,
+    prisms and pyramids only if they are straight, as elements of first order.  Elements are turned to have one orientation.
+    Names of regions: physical groups of Gmsh; of an .inp the ELSETs of *SOLID SECTION, else of *ELEMENT, are materials,
+    *SURFACE and node sets boundaries.  What has no name is "default".
 
-    Raises ProblemError for a file that is no mesh, elements of other types or both orders, a group without elements or sides,
-    and elements or sides in two groups.
+    Raises ProblemError for a file that is no mesh, elements of other types or both orders, curved hexahedra, a group without
+    elements or sides, and elements or sides in two groups.
 
     >>> from tempfile import mkdtemp
     >>> file = mkdtemp() + "/square.vol"

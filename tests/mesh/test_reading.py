@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
-from mistakes.meshes import GMSH, INP, File
+from mistakes.meshes import GMSH, INP, Brick, File
 from ngsolve import BND, CF, Integrate, specialcf, x, y, z
 
-from ngdgc import ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, Solve
+from ngdgc import (ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance, ProblemError,
+                   Solve)
 from ngdgc.meshes import BoxMesh, ReadMesh, RectangleMesh
 
 TYPES = {(2, 3): "CPE3", (2, 4): "CPE4", (3, 4): "C3D4", (3, 6): "C3D6", (3, 8): "C3D8"}
@@ -202,3 +203,47 @@ def test_sets_count_in_steps(tmp_path):
         mesh = ReadMesh(File(tmp_path, "a.inp", text))
         assert set(mesh.GetBoundaries()) == names
         assert step == 1 or Integrate(1, mesh.Boundaries("left")) == pytest.approx(1)
+
+
+def test_straight_cells_of_second_order_are_those_of_first(tmp_path):
+    """Nodes in the middles say nothing; one that is off them is not left out in silence."""
+    mesh = ReadMesh(File(tmp_path, "a.inp", Brick(".5, 0, 0")))
+    assert mesh.ne == 1 and mesh.nv == 8 and Volume(mesh) == pytest.approx(1)
+    with pytest.raises(ProblemError, match="curved hex"):
+        ReadMesh(File(tmp_path, "a.inp", Brick(".5, 1e-3, 0")))
+
+
+def test_orders_that_are_mixed_are_read_if_all_is_straight(tmp_path):
+    """A square of eight nodes and beside it a triangle of three."""
+    points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (.5, 0, 0), (1, .5, 0), (.5, 1, 0), (0, .5, 0), (3, 0, 0)]
+    text = Nodes(points) + "*ELEMENT, TYPE=CPE8\n1, 1, 2, 3, 4, 5, 6, 7, 8\n*ELEMENT, TYPE=CPE3\n2, 2, 9, 3\n"
+    mesh = ReadMesh(File(tmp_path, "a.inp", text))
+    assert mesh.ne == 2 and mesh.nv == 5 and Volume(mesh) == pytest.approx(2)
+
+
+def test_sets_that_overlap_are_refused_and_bars_and_empty_decks_name_nothing(tmp_path):
+    """Of a cube: a bar of three nodes along an edge, as reinforcement has it, is no side."""
+    text = Brick(".5, 0, 0") + "*ELEMENT, TYPE=T3D3, ELSET=bar\n2, 1, 9, 2\n"
+    assert ReadMesh(File(tmp_path, "a.inp", text)).GetBoundaries() == ("default",)
+    with pytest.raises(ProblemError, match="sides that are in 'foot' and in 'low'; give each one region"):
+        ReadMesh(File(tmp_path, "a.inp", Brick(".5, 0, 0") + "*NSET, NSET=foot\n1, 2, 3, 4\n*NSET, NSET=low\n1, 2, 3, 4, 9\n"))
+    with pytest.raises(ProblemError, match="has no elements of a body"):
+        ReadMesh(File(tmp_path, "a.inp", "*NODE\n1, 0, 0, 0\n"))
+
+
+@pytest.mark.slow
+def test_every_cut_of_a_file_is_refused_or_is_no_loss(tmp_path):
+    """Files that end early, at every line, in all formats: an error of ours, or the whole body."""
+    mesh = RectangleMesh(2)
+    mesh.ngmesh.Save(str(tmp_path / "whole.vol"))
+    texts = {".vol": (tmp_path / "whole.vol").read_text(), ".inp": Abaqus(mesh), ".msh": Gmsh(mesh, 2.2)}
+    refused = 0
+    for suffix, text in texts.items():
+        lines = text.splitlines(keepends=True)
+        for count in range(len(lines)):
+            try:
+                read = ReadMesh(File(tmp_path, f"cut{suffix}", "".join(lines[:count])))
+                assert suffix == ".inp" or Integrate(1, read) == pytest.approx(1), (suffix, count)
+            except ProblemError:
+                refused += 1
+    assert refused > 100

@@ -1,5 +1,6 @@
 """Mistakes in meshes, as in `mistakes`."""
 
+import numpy as np
 from badmeshes import Body, Doubled, Lost, Periodic, Refined, Straightened
 from mistakes import Disc
 
@@ -87,6 +88,19 @@ $Elements
 $EndElements
 """
 
+HEX = (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)
+
+
+def Brick(middle):
+    """A cube of 20 nodes as Abaqus has it, the one between the first two corners at another place."""
+    corners = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1)])
+    points = [*corners.tolist(), *(corners[list(edge)].mean(axis=0).tolist() for edge in HEX)]
+    rows = [", ".join(map(str, point)) for point in points]
+    rows[8] = middle
+    nodes = "".join(f"{number}, {row}\n" for number, row in enumerate(rows, 1))
+    return f"*NODE\n{nodes}*ELEMENT, TYPE=C3D20\n1, {', '.join(map(str, range(1, 21)))}\n"
+
+
 READ = [
     (lambda _: ReadMesh("part.stl"), "file is 'part.stl' | give the name of a mesh | .msh of Gmsh"),
     (lambda folder: ReadMesh(folder / "part.msh"), "part.msh cannot be read | No such file | give a file that is there"),
@@ -95,7 +109,8 @@ READ = [
     (Second, "part.vol has no elements of a body, or elements of second order | not in files of Netgen | Curve(2)"),
     (Gmsh("2.2 0 8", "2.2 1 8"),
      "part.msh is no mesh of Gmsh in ASCII | with nodes and elements | write it anew, with Mesh.MshFileVersion"),
-    (Gmsh("2 2 2 1 1 1 2 3", "2 36 2 1 1 1 2 3"), "elements of Gmsh's type 36 | first order is read | set Mesh.ElementOrder"),
+    (Gmsh("2 2 2 1 1 1 2 3", "2 36 2 1 1 1 2 3"),
+     "elements of Gmsh's type 36 | first and second order are read | set Mesh.ElementOrder"),
     (Gmsh("3 0 1 0\n", ""),
      "part.msh is cut off or has wrong numbers | 3 | write it anew"),
     (Gmsh("2 2 2 1 1 1 2 3\n", ""), "part.msh has no elements of a body | mesh a surface in the plane or a volume | write its"),
@@ -107,8 +122,10 @@ READ = [
     (Gmsh('1 2 "foot"\n', '1 2 "foot"\n1 3 "hole"\n'), "part.msh has a group 'hole' | without sides | fill or remove it"),
     (Gmsh(text=QUAD),
      "part.msh has quad elements with nodes off their places | without these nodes | Mesh.SecondOrderIncomplete = 1"),
-    (Gmsh("9 .6 .5 0\n", "9 .5 .5 0\n", QUAD.replace("8 9\n$End", "8 9\n2 2 2 0 1 1 2 3\n$End")),
-     "part.msh has elements of second order | and of first order (triangle) | mesh it with one order"),
+    (Gmsh("5 .5 0 0\n", "5 .5 -.2 0\n", QUAD.replace("9 .6 .5", "9 .5 .4").replace("8 9\n$End", "8 9\n2 2 2 0 1 1 2 3\n$End")),
+     "part.msh has curved elements of second order | and of first order (triangle) | mesh it with one order"),
+    (lambda folder: ReadMesh(File(folder, "part.inp", Brick(".5, -.1, 0"))),
+     "part.inp has curved hex elements | up to 0.1 off the middles | write them with order 1, or mesh with tetrahedra"),
     (Inp("*NSET", "*INCLUDE, INPUT=other.inp\n*NSET"), "part.inp has *INCLUDE | elsewhere | give one file"),
     (Inp("CPE3", "CAX3"), "part.inp has elements of type 'CAX3' | C3D4 | are read"),
     (Inp("3, 0, 1\n", "3, zero, 1\n"), "part.inp is no mesh of Abaqus or CalculiX | 'zero' | write *NODE, *ELEMENT and sets"),

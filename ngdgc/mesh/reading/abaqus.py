@@ -16,8 +16,11 @@ from ...exceptions import ProblemError
 from .shapes import DIM, ROUND, SIDES, Cell, Content
 
 TET = (0, 1), (1, 2), (2, 0), (0, 3), (1, 3), (2, 3)
+PRISM = (0, 1), (1, 2), (2, 0), (3, 4), (4, 5), (5, 3), (0, 3), (1, 4), (2, 5)
+HEX = (0, 1), (1, 2), (2, 3), (3, 0), (4, 5), (5, 6), (6, 7), (7, 4), (0, 4), (1, 5), (2, 6), (3, 7)
 FLAT = {3: Cell("triangle"), 4: Cell("quad"), 6: Cell("triangle", ROUND["triangle"]), 8: Cell("quad", ROUND["quad"])}
-CELLS = {"C3D": {4: Cell("tet"), 5: Cell("pyramid"), 6: Cell("prism"), 8: Cell("hex"), 10: Cell("tet", TET)},
+CELLS = {"C3D": {4: Cell("tet"), 5: Cell("pyramid"), 6: Cell("prism"), 8: Cell("hex"), 10: Cell("tet", TET),
+                 15: Cell("prism", PRISM), 20: Cell("hex", HEX)},
          "T": {2: Cell("line"), 3: Cell("line", ROUND["line"])}, "B": {2: Cell("line"), 3: Cell("line", ROUND["line"])}}
 CELLS |= {family: FLAT for family in ("CPS", "CPE", "M3D", "S", "SFM3D")}
 CELLS |= {"T2D": CELLS["T"], "T3D": CELLS["T"]}
@@ -78,8 +81,8 @@ class Deck:
         match = KIND.match(words.get("TYPE", "").upper())
         cell = CELLS[match[1]].get(int(match[2])) if match else None
         if cell is None:
-            raise ProblemError(f"{self.file} has elements of type {words.get('TYPE')!r}; solids C3D4, 5, 6, 8, 10 and "
-                               "plane CPS and CPE 3, 4, 6, 8 are read")
+            raise ProblemError(f"{self.file} has elements of type {words.get('TYPE')!r}; solids C3D4, 5, 6, 8, 10, 15, 20 "
+                               "and plane CPS and CPE 3, 4, 6, 8 are read")
         numbers = [int(word) for card in cards for word in card if word]
         for row in np.reshape(numbers, (-1, cell.nodes + 1)).tolist():
             if cell.shape == "line" and cell.edges:
@@ -133,7 +136,7 @@ def ReadAbaqus(text: str, file: str) -> Content:
 
 def _Content(deck: Deck) -> Content:
     place = {number: row for row, number in enumerate(deck.nodes)}
-    dim = max(DIM[cell.shape] for cell, _, _ in deck.elements.values())
+    dim = max((DIM[cell.shape] for cell, _, _ in deck.elements.values()), default=0)
     materials: dict[int, tuple[str, ...]] = defaultdict(tuple)
     for name in dict.fromkeys(deck.sections):
         for number in deck._Members("ELSET", name):

@@ -23,10 +23,12 @@ MIRRORED = {"triangle": (0, 2, 1), "quad": (0, 3, 2, 1), "tet": (0, 2, 1, 3), "h
 TURN = {"triangle": (0, 1, 2), "quad": (0, 1, 3), "tet": (0, 1, 2, 3), "hex": (0, 1, 3, 4), "prism": (0, 1, 2, 3),
         "pyramid": (0, 1, 3, 4)}
 # Corners of the edges on which Netgen's elements of second order have their nodes, in its order, by the number of all nodes.
-# Hexahedra are not here: in Netgen's of second order no point can be searched.
+# What is STRAIGHT is not here: in Netgen's hexahedra of second order no point can be searched.
 EDGES: dict[int, dict[int, tuple[tuple[int, int], ...]]] = {
     2: {6: ((1, 2), (0, 2), (0, 1)), 8: ((0, 1), (2, 3), (0, 3), (1, 2))},
     3: {10: ((0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3))}}
+
+STRAIGHT = ("hex", "prism", "pyramid")
 
 Names = tuple[str, ...]
 
@@ -140,32 +142,50 @@ def _Linear(points: Array, used: Array, volumes: list[tuple[str, Array, Names]],
 
 
 def _Middles(content: Content, dim: int, size: float, file: str) -> tuple[Array, Array] | None:
-    """(ends (n, 2) of edges, numbers (n,) of the nodes on them), or None of first order.
-
-    Netgen's second order has no nodes on faces: those of the file must lie where the edges alone would have them.
-    """
+    """(ends (n, 2) of edges, numbers (n,) of the nodes on them), or None of first order, also if all edges are straight."""
     ends, nodes = list[Array](), list[Array]()
     plain = set[str]()
     for cell, rows, _ in content.blocks:
         if DIM[cell.shape] != dim:
             continue
-        if not cell.edges:
+        if not cell.edges or cell.shape in STRAIGHT:
+            _CheckStraight(content.points, cell, rows, size, file)
             plain.add(cell.shape)
-        first, points = CORNERS[cell.shape], content.points[rows]
-        for number, edge in enumerate(cell.edges, first):
+            continue
+        _CheckFaces(content.points, cell, rows, size, file)
+        for number, edge in enumerate(cell.edges, CORNERS[cell.shape]):
             ends.append(rows[:, edge])
             nodes.append(rows[:, number])
-        for number, face in enumerate(cell.faces, first + len(cell.edges)):
-            around = [first + next(place for place, edge in enumerate(cell.edges) if set(edge) == set(pair))
-                      for pair in zip(face, face[1:] + face[:1])]
-            place = points[:, around].sum(axis=1) / 2 - points[:, list(face)].sum(axis=1) / 4
-            if np.abs(place - points[:, number]).max() > CLOSE * size:
-                raise ProblemError(f"{file} has {cell.shape} elements with nodes off their places on curved faces; write them "
-                                   "without these nodes: Mesh.SecondOrderIncomplete = 1")
-    if nodes and plain:
-        raise ProblemError(f"{file} has elements of second order, and of first order ({', '.join(sorted(plain))}); mesh it "
-                           "with one order")
-    return (np.concatenate(ends), np.concatenate(nodes)) if nodes else None
+    if not nodes:
+        return None
+    pairs, places = np.concatenate(ends), np.concatenate(nodes)
+    if not plain:
+        return pairs, places
+    if np.abs(content.points[pairs].mean(axis=1) - content.points[places]).max() > CLOSE * size:
+        raise ProblemError(f"{file} has curved elements of second order, and of first order ({', '.join(sorted(plain))}); mesh "
+                           "it with one order")
+    return None
+
+
+def _CheckStraight(points: Array, cell: Cell, rows: Array, size: float, file: str) -> None:
+    """Nodes that do not count lie in the middles of edges, faces and cells."""
+    for number, corners in enumerate(cell.edges + cell.faces, CORNERS[cell.shape]):
+        apart = np.abs(points[rows[:, corners]].mean(axis=1) - points[rows[:, number]]).max()
+        if apart > CLOSE * size:
+            raise ProblemError(f"{file} has curved {cell.shape} elements, with nodes up to {apart:.3g} off the middles of "
+                               "their edges or faces, which are not read; write them with order 1, or mesh with tetrahedra")
+
+
+def _CheckFaces(points: Array, cell: Cell, rows: Array, size: float, file: str) -> None:
+    """Nodes on faces lie where those on their edges have them: Netgen has none."""
+    first = CORNERS[cell.shape]
+    for number, face in enumerate(cell.faces, first + len(cell.edges)):
+        around = [first + next(place for place, edge in enumerate(cell.edges) if set(edge) == set(pair))
+                  for pair in zip(face, face[1:] + face[:1])]
+        place = points[rows[:, around]].sum(axis=1) / 2 - points[rows[:, list(face)]].sum(axis=1) / 4
+        if np.abs(place - points[rows[:, number]]).max() > CLOSE * size:
+            raise ProblemError(f"{file} has {cell.shape} elements with nodes off their places on curved faces; write them "
+                               "without these nodes: Mesh.SecondOrderIncomplete = 1")
 
 
 def _Bend(mesh: NetgenMesh, points: Array, used: Array, ends: Array, nodes: Array) -> None:

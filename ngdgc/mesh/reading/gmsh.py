@@ -12,10 +12,18 @@ from ...exceptions import ProblemError
 from .shapes import ROUND, Cell, Content
 
 TET = (0, 1), (1, 2), (2, 0), (3, 0), (2, 3), (1, 3)
+HEX = (0, 1), (0, 3), (0, 4), (1, 2), (1, 5), (2, 3), (2, 6), (3, 7), (4, 5), (4, 7), (5, 6), (6, 7)
+PRISM = (0, 1), (0, 2), (0, 3), (1, 2), (1, 4), (2, 5), (3, 4), (3, 5), (4, 5)
+PYRAMID = (0, 1), (0, 3), (0, 4), (1, 2), (1, 4), (2, 3), (2, 4), (3, 4)
+# With a node on every quadrilateral, and one in the middle of a hexahedron.
+HEXFACES = (0, 3, 2, 1), (0, 1, 5, 4), (0, 4, 7, 3), (1, 2, 6, 5), (2, 3, 7, 6), (4, 5, 6, 7), tuple(range(8))
+PRISMFACES = (0, 1, 4, 3), (0, 3, 5, 2), (1, 2, 5, 4)
 # By Gmsh's numbers.
 CELLS = {1: Cell("line"), 2: Cell("triangle"), 3: Cell("quad"), 4: Cell("tet"), 5: Cell("hex"), 6: Cell("prism"),
          7: Cell("pyramid"), 8: Cell("line", ROUND["line"]), 9: Cell("triangle", ROUND["triangle"]),
-         16: Cell("quad", ROUND["quad"]), 10: Cell("quad", ROUND["quad"], ((0, 1, 2, 3),)), 11: Cell("tet", TET)}
+         16: Cell("quad", ROUND["quad"]), 10: Cell("quad", ROUND["quad"], ((0, 1, 2, 3),)), 11: Cell("tet", TET),
+         12: Cell("hex", HEX, HEXFACES), 13: Cell("prism", PRISM, PRISMFACES), 14: Cell("pyramid", PYRAMID, ((0, 1, 2, 3),)),
+         17: Cell("hex", HEX), 18: Cell("prism", PRISM), 19: Cell("pyramid", PYRAMID)}
 POINT = 15
 
 Rows = dict[tuple[int, tuple[str, ...]], list[list[int]]]
@@ -48,8 +56,8 @@ def ReadGmsh(text: str, file: str) -> Content:
 
 def _Cell(kind: int, file: str) -> Cell:
     if kind not in CELLS:
-        raise ProblemError(f"{file} has elements of Gmsh's type {kind}; first order is read, and second of triangles, "
-                           "quadrilaterals and tetrahedra: set Mesh.ElementOrder")
+        raise ProblemError(f"{file} has elements of Gmsh's type {kind}; first and second order are read: set "
+                           "Mesh.ElementOrder to 1 or 2")
     return CELLS[kind]
 
 

@@ -145,7 +145,7 @@ def ReadMesh(file: str | PathLike[str]) -> Mesh:
     readers = {".msh": ReadGmsh, ".inp": ReadAbaqus}
     if not isinstance(file, str | PathLike) or Path(file).suffix.lower() not in (*readers, ".vol"):
         raise ProblemError(f"file is {file!r}; give the name of a mesh: .msh of Gmsh, .inp of Abaqus or CalculiX, .vol of "
-                           "Netgen")
+                           "Netgen; meshio makes .msh of others")
     path = Path(file)
     try:
         text = path.read_text(encoding="utf-8", errors="replace")

@@ -34,7 +34,7 @@ def HistoryFigure(solution: ContactSolution | Sequence[Step]) -> Figure:
         left.plot(number, np.where(values > 0, values, np.nan), style, color=colour, linewidth=1.2, label=label,
                   markersize=4 if len(history) <= 100 else 0)
     Panel(left, xlabel="iteration, last mesh" if nested else "iteration", ylabel="no unit [1]", yscale="log",
-          xlim=(0.5, max(number, default=1) + 0.5)).xaxis.set_major_locator(MaxNLocator(integer=True))
+          xlim=(0.5, max(number, default=1) + 0.5)).xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     if not history:
         left.text(0.5, 0.5, "no iteration recorded", transform=left.transAxes, ha="center")
     figure.legend(*left.get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False)

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import MaxNLocator
 
 from ..contact.boundary import ContactBoundary
 from ..contact.graph import LEAST, ContactGraph, Distance, GraphPoint, Scales
@@ -23,6 +24,7 @@ OFF = 1e-6          # distance to the law (`graph.Distance`) from which a point 
 SAMPLES = 200       # of the graph of p_n
 SPREAD = 30         # widest gap over deepest penetration from which the axis of penetrations becomes logarithmic
 STEEP = 5           # friction over its bound from which that axis becomes logarithmic
+TICKS = 4           # at most, along an axis: small numbers are long
 LAW = "#999999"
 
 
@@ -84,6 +86,8 @@ def _DrawNormal(axes: Any, solution: ContactSolution, graph: GraphPoint, off: An
         axes.set_xscale("symlog", linthresh=unit, linscale=2)
         axes.set_xticks([-10.0**np.floor(np.log10(widest)), 0, unit])
         axes.xaxis.set_major_formatter(lambda x, _: f"{x:.0e}" if x else "0")
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(TICKS))
     Panel(axes, xlabel="penetration $u_n - g$ [length]", ylabel="pressure $p_n$ [stress]")
     if np.abs(p).max(initial=0) == 0:
         axes.set_ylim(-0.1, 1)
@@ -113,6 +117,7 @@ def _DrawTangential(axes: Any, solution: ContactSolution, graph: GraphPoint, off
     if np.abs(axes.get_ylim()).max() > STEEP:
         axes.set_yscale("symlog", linthresh=1, linscale=1.5)
         axes.autoscale()
+    axes.xaxis.set_major_locator(MaxNLocator(TICKS))
     along = "along s" if dim == 2 else "$|u_t|$"
     Panel(axes, xlabel=f"slip {along} [length]", ylabel="friction / bound $p_t$ [1]")
 

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
+from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import proj3d
 from mpl_toolkits.mplot3d.art3d import Poly3DCollection
@@ -22,6 +23,7 @@ from .regions import SEEN, BoundaryFunction, SurfaceFaces
 
 VIEWS = ((-25, -60), (25, 120))     # elevation and azimuth [degrees]: between them all six sides of a box are seen
 WIDE = 10           # of a figure with two views [inch]
+ZOOM = 0.9          # of axes; there is room for their words
 FLATTEST = 0.3      # extent of the axes in a direction, relative to the largest
 BODY = "#D9E5F0"
 
@@ -51,6 +53,7 @@ def Surface(faces: Any, colours: Any, title: str, legend: Mapping[str, str], *, 
         figure.legend(handles=[Patch(facecolor=colour, label=label) for label, colour in legend.items()],
                       loc="outside lower center", ncols=len(legend), frameon=False)
     figure.draw_without_rendering()     # which places the axes
+    _Fit(figure)
     for axes in figure.axes:
         _Part(axes)
     figure.set_gid(PLACED)
@@ -70,10 +73,11 @@ def DrawFaces(axes: Any, faces: Any, colours: Any, view: Sequence[float], outlin
                                            linewidths=0.4 if outlined else 0.3))
     axes.set(**{f"{name}lim": (m - extent / 2, m + extent / 2) for name, m, extent in zip("xyz", middle, extents)},
              **{f"{name}label": f"{name} [length]" for name in "xyz"})
-    axes.set_box_aspect(tuple(extents), zoom=0.9)
+    axes.set_box_aspect(tuple(extents), zoom=ZOOM)
     for axis, extent in zip((axes.xaxis, axes.yaxis, axes.zaxis), extents):
         # The lowest would meet the highest of the next axis in a corner.
         axis.set_major_locator(MaxNLocator(2 if extent < 0.5 * extents.max() else 4, prune="lower"))
+        axis.labelpad = 8       # below the numbers
     axes.view_init(elev=view[0], azim=view[1])
 
 
@@ -90,19 +94,44 @@ def _Write(axes: Any, regions: SurfaceFaces, words: Mapping[str, str], towards: 
 
 
 def _Part(axes: Any) -> None:
-    """Move texts up or down in the picture until they lie on no earlier one."""
+    """Move texts up or down in the picture, as little as possible, so that they lie on no earlier one."""
     up = np.array([0.0, 0, 1]) - np.sin(np.radians(axes.elev)) * Towards((axes.elev, axes.azim))
     up /= np.linalg.norm(up)
     ends = [axes.transData.transform(proj3d.proj_transform(*point, axes.get_proj())[:2]) for point in (np.zeros(3), up)]
-    pixels = ends[1][1] - ends[0][1]
-    for number, text in enumerate(axes.texts):
-        for _ in range(number):     # away from one it may get onto another
-            own = text.get_window_extent()
-            taken = next((other.get_window_extent().padded(APART) for other in axes.texts[:number]
-                          if own.overlaps(other.get_window_extent())), None)
-            if taken is not None:
-                rise, fall = taken.y1 - own.y0, taken.y0 - own.y1
-                text.set_position_3d(np.array(text.get_position_3d()) + min(rise, fall, key=abs) / pixels * up)
+    pixels, placed = ends[1][1] - ends[0][1], list[Any]()
+    for text in axes.texts:
+        own = TextBox(axes, text)
+        ways = [0.0, *(way for taken in placed for way in (taken.y1 + APART - own.y0, taken.y0 - APART - own.y1))]
+        free = [way for way in ways if not any(own.translated(0, way).overlaps(taken.padded(APART - 1)) for taken in placed)]
+        way = min(free, key=abs)
+        placed.append(own.translated(0, way))
+        text.set_position_3d(np.array(text.get_position_3d()) + way / pixels * up)
+
+
+def TextBox(axes: Any, text: Any) -> Any:
+    """Where a text in space is drawn [pixel]: its own extent takes its coordinates for those of the picture."""
+    place = text.get_position_3d()
+    try:
+        Text.set_position(text, proj3d.proj_transform(*place, axes.get_proj())[:2])
+        return text.get_window_extent()
+    finally:
+        Text.set_position(text, place[:2])
+
+
+def _Fit(figure: Figure) -> None:
+    """Make axes smaller whose names are beyond the rim of the figure, as those of a flat body are, and place them anew."""
+    width, tight = figure.bbox.width - APART, False
+    for axes in figure.axes:
+        middle = axes.get_window_extent().intervalx.mean()
+        names = [axis.label.get_window_extent() for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
+        room = min((width - middle) / (max(box.x1 for box in names) - middle),
+                   (middle - APART) / max(middle - min(box.x0 for box in names), 1))
+        if room < 1:
+            extents = np.ptp([axes.get_xlim(), axes.get_ylim(), axes.get_zlim()], axis=1)
+            axes.set_box_aspect(tuple(extents), zoom=ZOOM * room)
+            tight = True
+    if tight:
+        figure.draw_without_rendering()
 
 
 def DeformedFaces(solution: ContactSolution, scale: float) -> tuple[list[Array], list[str], float]:

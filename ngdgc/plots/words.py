@@ -9,7 +9,7 @@ from ..contracts import Array
 
 def Span(symbol: str, values: Array) -> str:
     """Words for values (n,) or (n, d): the value if it is constant, else the range of its size."""
-    values = np.where(np.abs(values) > 1e-12 * np.abs(values).max(), values, 0)
+    values = np.where(np.abs(values) > 1e-9 * np.abs(values).max(), values, 0)
     if np.all(np.ptp(values, axis=0) <= 1e-9 * np.abs(values).max()):
         text = ", ".join(f"{value:.4g}" for value in np.atleast_1d(values[0]))
         return f"{symbol} = ({text})" if values.ndim == 2 else f"{symbol} = {text}"

@@ -6,9 +6,11 @@ from ngsolve import x
 from problems import Pressed
 
 from ngdgc import ContactSolution, CoulombFriction, Foundation, NormalCompliance, SlipWeakeningFriction
+from ngdgc.cases import curved_body
 from ngdgc.contact.graph import Distance
 from ngdgc.meshes import RectangleMesh
-from ngdgc.plots import LawFigure
+from ngdgc.plots import HistoryFigure, LawFigure
+from ngdgc.solution.history import Step
 
 
 @pytest.fixture(scope="module")
@@ -119,3 +121,18 @@ def test_frictionless_says_so():
     rubbing = np.zeros_like(solution.traction)
     rubbing[0, 0] = 0.1 * solution.pressure.max()
     assert LawFigure(Changed(solution, rubbing)).get_suptitle().startswith("1 of")
+
+
+def test_numbers_on_the_axes_do_not_run_into_each_other():
+    """Penetrations of 1e-5 have long numbers."""
+    figure = LawFigure(curved_body.Main())
+    figure.draw_without_rendering()
+    boxes = [label.get_window_extent() for label in figure.axes[0].get_xticklabels() if label.get_text()]
+    assert len(boxes) > 1 and not any(a.overlaps(b) for a, b in zip(boxes, boxes[1:]))
+
+
+def test_iterations_are_counted_in_whole_numbers():
+    """Also a single one."""
+    figure = HistoryFigure([Step(number=1, change=1e-8, residual=1e-16, solves=1, seconds=0.1)])
+    low, high = figure.axes[0].get_xlim()
+    assert [tick for tick in figure.axes[0].get_xticks() if low <= tick <= high] == [1]

@@ -2,14 +2,19 @@
 
 import numpy as np
 import pytest
+from matplotlib.colors import to_rgba
+from mpl_toolkits.mplot3d import proj3d
 from ngsolve import CF, x
 
 from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, Solve)
-from ngdgc.cases import example_4_1, example_4_2, hertz_sphere, machine_part
+from ngdgc.cases import example_4_1, example_4_2, hertz_sphere, machine_part, step_part
 from ngdgc.export import Scene
 from ngdgc.meshes import BoxMesh, RectangleMesh
-from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure
+from ngdgc.plots import ComparisonFigure, DeformedFigure, SettingFigure, surface
+from ngdgc.plots.canvas import VERMILION
+from ngdgc.plots.surface import TextBox
+from ngdgc.plots.words import Span
 from ngdgc.solution.magnification import Magnification
 
 
@@ -50,17 +55,73 @@ def test_arrows_show_on_which_side_a_load_acts(sign):
     assert not np.any(np.all(np.abs(below[:, :2] - 0.5) < 0.49, axis=1))      # the top is not seen from below
 
 
+def Overlaps(axes):
+    boxes = [TextBox(axes, text) for text in axes.texts]
+    return [(a, b) for number, a in enumerate(boxes) for b in boxes[:number] if a.overlaps(b)]
+
+
 @pytest.mark.slow
-def test_words_lie_on_no_other_words():
-    """Of a ball whose spot of contact is a hundredth of it, and of a lug with small rings; a pair that does is seen."""
-    for case in (hertz_sphere, machine_part):
-        figure = SettingFigure(Discretization(case.Problem(), InteriorPenalty(), case.Mesh()))
+@pytest.mark.parametrize("case, n", [(hertz_sphere, 8), (machine_part, 8), (machine_part, 4), (step_part, 4)])
+def test_words_lie_on_no_other_words(case, n, monkeypatch):
+    """Of a ball whose spot of contact is a hundredth of it, and of lugs with small rings and bores, where they are drawn."""
+    disc = Discretization(case.Problem(), InteriorPenalty(), case.Mesh(n))
+    figure = SettingFigure(disc)
+    figure.draw_without_rendering()
+    assert all(len(axes.texts) > 2 and Overlaps(axes) == [] for axes in figure.axes)
+    monkeypatch.setattr(surface, "_Part", lambda axes: None)
+    assert case is hertz_sphere or any(Overlaps(axes) for axes in SettingFigure(disc).axes)
+
+
+def test_a_text_in_space_is_where_it_is_drawn():
+    """Its middle is the projection of its place, which its own extent knows nothing of; drawing leaves it as it is."""
+    axes = Setting(-1).axes[0]
+    text = axes.texts[0]
+    place = np.array(text.get_position_3d())
+    expected = axes.transData.transform(proj3d.proj_transform(*place, axes.get_proj())[:2])
+    box = TextBox(axes, text)
+    assert np.allclose([box.intervalx.mean(), box.intervaly.mean()], expected, atol=2)
+    assert np.array_equal(text.get_position_3d(), place)
+
+
+def test_names_of_axes_of_a_flat_body_are_within_the_figure(monkeypatch):
+    """Of a pad of a fifth of its width, the axes are made smaller; else the name on the right would be cut off."""
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)),
+                             dirichlet={"top": (0, 0, -0.1)})
+    disc = Discretization(problem, Conforming(), BoxMesh(2, upper=(40, 40, 8), cells="hex"))
+
+    def Right():
+        figure = SettingFigure(disc)
         figure.draw_without_rendering()
-        for axes in figure.axes:
-            boxes = [text.get_window_extent() for text in axes.texts]
-            assert len(boxes) > 2 and not any(a.overlaps(b) for number, a in enumerate(boxes) for b in boxes[:number])
-        axes.texts[0].set_position_3d(axes.texts[1].get_position_3d())
-        assert axes.texts[0].get_window_extent().overlaps(axes.texts[1].get_window_extent())
+        boxes = [axis.label.get_window_extent() for axes in figure.axes for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
+        return figure.bbox.width - max(box.x1 for box in boxes), min(box.x0 for box in boxes)
+
+    assert min(Right()) >= 0
+    monkeypatch.setattr(surface, "_Fit", lambda figure: None)
+    assert min(Right()) < 0
+
+
+def test_forces_of_a_region_are_totals_and_body_forces_have_an_arrow():
+    """The words of `force` are the total, its arrows point along it; the body force has one beside the body in each view."""
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)),
+                             dirichlet={"left": (0, 0, 0)}, force={"top": (0, 0, -12), "front": (8, 0, 0)},
+                             bodyforce=(0, -7, 0))
+    figure = SettingFigure(Discretization(problem, Conforming(), BoxMesh(2, cells="hex", upper=(1, 1, 2))))
+    assert figure.get_suptitle() == "setting, body force $f_1$ = (0, -7, 0)"
+    words = {text.get_text() for axes in figure.axes for text in axes.texts}
+    assert {"top\nforce\nF = (0, 0, -12)", "front\nforce\nF = (8, 0, 0)"} <= words
+    for axes, along in zip(figure.axes, ((1, 0, 0), (0, 0, -1))):
+        tails, heads = Arrows(axes)
+        ways = heads - tails
+        colours = [tuple(drawn.get_color()[0]) for drawn in axes.collections[1:]]
+        beside = np.array([colour == to_rgba(VERMILION) for colour in colours])
+        # 8 over the area 2 of the front are a third of 12 over the area 1 of the top, of which the arrows are 0.2 of the body.
+        assert beside.sum() == 1 and np.allclose(ways[beside], (0, -0.4, 0)) and np.all(tails[beside] > [1, 1, 2])
+        assert np.allclose(ways[~beside], 0.4 * np.array(along) / (3 if along[0] else 1)) and (~beside).sum() == 4
+
+
+def test_noise_of_a_gap_is_no_number():
+    assert Span("g", np.array([9.7e-13, 0.0144])) == "g = 0 to 0.0144"
+    assert Span("g", np.array([1e-6, 0.5])) == "g = 1e-06 to 0.5"
 
 
 def test_a_displacement_that_is_not_seen_is_enlarged():

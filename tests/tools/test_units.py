@@ -75,6 +75,8 @@ def test_report_and_tables_have_them(pair):
 def test_units_of_products():
     """A force is stress times area; without a name for it the product stands there."""
     assert InUnits("[stress length^3] [stress length^2] [stress length]", ("m", "kPa")) == "[kN m] [kN] [kN/m]"
+    assert InUnits("[stress length^4]", ("m", "kPa")) == "[kN m^2]"
+    assert InUnits("[stress length^4]", ("m", "psi")) == "[psi m^4]"
     assert InUnits("[sqrt(stress length^2)] [stress/length] [length^2]", ("cm", "bar")) == "[sqrt(bar cm^2)] [bar/cm] [cm^2]"
     assert InUnits("the length [1]", UNITS) == "the length [1]"
 

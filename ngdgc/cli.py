@@ -25,6 +25,7 @@ from .commands.effectivity import AddEffectivity
 from .commands.files import Files
 from .commands.meshfile import AddMesh
 from .commands.newcase import AddNew
+from .commands.progress import AddProgress
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
 from .contracts import Solver
@@ -123,6 +124,7 @@ def _Parser() -> _OneLine:
     AddCompare(commands)
     AddAttack(commands)
     AddEffectivity(commands)
+    AddProgress(commands)
     _AddStability(commands)
     return parser
 

@@ -1,22 +1,31 @@
 """Exercises of the notebooks, and the checker that grades answers: Check("01.1", answer).
 
-Here: exercises, answers and hints, a module for each notebook.
+Here: exercises, answers and hints, a module for each notebook, and what a class needs of them.
 Not here: the notebooks, which are documentation.
 """
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 from ..exceptions import ProblemError
-from . import estimates, fluxes, iteration, law, liftings, locking, newton, rigid, spaces, table, winkler
+from ..tools.calls import ByKeyword
 from .checker import Grade, Verdict
+from .overview import Overview
+from .sealed import Unseal
 
-EXERCISES = {name: exercise for module in (winkler, spaces, fluxes, liftings, iteration, newton, table, rigid, locking, law,
-                                             estimates)
-             for name, exercise in module.EXERCISES.items()}
+__all__ = ["EXERCISES", "Check", "Overview"]
+
+SEALED = Path(__file__).with_name("sealed.bin")     # in a package of students, which has no `written`
+
+if SEALED.exists():
+    EXERCISES = Unseal(SEALED.read_bytes())
+else:
+    from .written import EXERCISES
 
 
+@ByKeyword
 def Check(exercise: Any, answer: Any) -> Verdict:
     """The `checker.Verdict` on an answer to an exercise, named as in its notebook (or "1.4" for "01.4"); `...` is no answer.
 

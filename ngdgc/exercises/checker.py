@@ -26,7 +26,7 @@ TEN = 10.0 ** np.array([-9, -6, -4, -3, -2, -1, 1, 2, 3, 4, 6, 9])
 
 @dataclass(frozen=True)
 class Verdict:
-    """What became of an answer: `state` "correct", "not yet" or "not answered yet", and a hint or, if correct, an insight.
+    """What became of an answer: `state` "correct", "not yet", "not answered yet" or "noted", and a hint or an insight.
 
     >>> bool(Verdict("01.1", "not yet", "Mind the sign."))
     False
@@ -36,7 +36,8 @@ class Verdict:
     state: str
     words: str
 
-    COLOURS: ClassVar[dict[str, str]] = {"correct": "#009E73", "not yet": "#D55E00", "not answered yet": "#777777"}
+    COLOURS: ClassVar[dict[str, str]] = {"correct": "#009E73", "not yet": "#D55E00", "not answered yet": "#777777",
+                                         "noted": "#0072B2"}
 
     def __bool__(self) -> bool:
         return self.state == "correct"
@@ -52,9 +53,14 @@ class Verdict:
 
 
 def Grade(name: str, exercise: Any, answer: Any) -> Verdict:
-    """The Verdict on an answer to an exercise, an object with `Hint(answer)` and `insight`; `...` is no answer yet."""
+    """The Verdict on an answer to an exercise, an object with `Hint(answer)` and `insight`; `...` is no answer yet.
+
+    Of an exercise None nobody here knows the answer: it is noted, for a teacher to grade.
+    """
     if answer is ...:
         return Verdict(name, "not answered yet", "Put your answer in place of the three dots and run the cell again.")
+    if exercise is None:
+        return Verdict(name, "noted", "It is graded when you hand in the notebook.")
     hint = exercise.Hint(answer)
     return Verdict(name, "correct", exercise.insight) if hint is None else Verdict(name, "not yet", hint)
 
@@ -96,13 +102,13 @@ class Function:
     words: str = "your function"
 
     def Hint(self, answer: Any) -> str | None:
-        found, trouble = Called(answer, self._Arguments(), self.words)
+        found, trouble = Called(answer, self.Arguments(), self.words)
         if trouble:
             return trouble
-        wrong = [(hint, Mistake(*self._Arguments())) for hint, Mistake in self.mistakes.items()]
-        return Compare(found, self.Right(*self._Arguments()), wrong, self.hint, self.tol)
+        wrong = [(hint, Mistake(*self.Arguments())) for hint, Mistake in self.mistakes.items()]
+        return Compare(found, self.Right(*self.Arguments()), wrong, self.hint, self.tol)
 
-    def _Arguments(self) -> tuple[Any, ...]:
+    def Arguments(self) -> tuple[Any, ...]:
         """The same data every time, new arrays: a function may write into its arguments."""
         return self.Data(np.random.default_rng(SEED))
 
@@ -163,14 +169,14 @@ def Called(answer: Any, arguments: tuple[Any, ...], words: str) -> tuple[Any, st
 
 def Compare(answer: Any, right: Any, wrong: Iterable[tuple[str, Any]], hint: str, tol: float) -> str | None:
     """None if an answer equals the right value, else the hint that fits; `wrong` is a list of (hint, value)."""
-    right = _Array(right)
+    right = AsNumbers(right)
     try:
-        found = _Array(answer)
+        found = AsNumbers(answer)
     except (TypeError, ValueError):
         return f"Wrong type: {_Kind(answer)} is no {'number' if right.ndim == 0 else 'array of numbers'}."
     if found.shape != right.shape:
         for words, value in wrong:
-            if np.array_equal(found, _Array(value)):
+            if np.array_equal(found, AsNumbers(value)):
                 return words
         if found.ndim == 2 and found.T.shape == right.shape:
             return "Wrong shape: rows and columns are interchanged."
@@ -180,7 +186,7 @@ def Compare(answer: Any, right: Any, wrong: Iterable[tuple[str, Any]], hint: str
     scale = np.abs(right).max(initial=0) or 1.0
 
     def Same(value: Any) -> bool:
-        value = _Array(value)
+        value = AsNumbers(value)
         return value.shape in ((), found.shape) and np.abs(found - value).max(initial=0) <= tol * scale
 
     if Same(right):
@@ -212,7 +218,7 @@ def _General(found: Array, right: Array, Same: Callable[[Any], bool], scale: flo
     return None
 
 
-def _Array(value: Any) -> Array:
+def AsNumbers(value: Any) -> Array:
     """Numbers as a float array, masks of True and False as 1 and 0; TypeError for anything else."""
     value = value.toarray() if sp.issparse(value) else value
     if isinstance(value, (str, bytes, bool)) or callable(value):

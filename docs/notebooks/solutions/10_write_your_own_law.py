@@ -37,10 +37,10 @@ class LimitedFriction(FrictionLaw):
         return np.zeros_like(r), np.where(self.coefficient * p < self.strength, self.coefficient, 0.0)
 
 
-# 10.1
+# 10.1  The object with its data.
 answer_1 = Foam(k1=20.0, k2=500.0, d=0.1)
 
-# 10.2
+# 10.2  The smaller of the two bounds at every point.
 answer_2 = LimitedFriction(0.4, 5.0)
 
 

@@ -24,20 +24,18 @@ from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..discrete.response import Apply, ContactResponse
 from ..solvers.newton.setting import Setting
-from .known import KnownResponse, Spread
+from .known import KnownResponse
 from .loading import Loading, Instant
 from .spanned import SpannedLoads
 
 NEAR = 0.35         # S at one point, in units of 1/gamma, as in `solvers.newton.stiffened`
-DIRECTIONS = 60     # new ones in an increment, after which it has failed
-STEPS = 25          # of Newton's method with S_V
+DIRECTIONS = 200    # new ones in an increment, after which it has failed
+STEPS = 40          # of Newton's method with S_V
 HALVINGS = 8        # of one of them
-DECREASE = 1e-4     # relative decrease of |F|^2 that a full step must bring
-WORK = 400          # of all these steps in an increment, after which it has failed
-SUBSTEPS = 6        # the load of an increment is divided into 2^6 parts at most, where Newton's method with S_V fails,
-FIRST = 3           # and into 2^3 as long as S_V is not S_D there
-GROUPS = 32         # of neighbouring points, whose common tractions are the first directions: at most,
-FEWEST = 4          # and as many points on average at least
+DECREASE = 1e-4     # relative decrease of |F|^2 that a full step must bring,
+LEAPS = 5           # but for so many, which may lead out of a local minimum
+WORK = 8000         # of all these steps in an increment, after which it has failed
+SUBSTEPS = 6        # the load of an increment is divided into 2^6 parts at most, where Newton's method fails though S_V is S_D
 GOAL = 0.02         # of the tolerance, for Newton's method with S_V
 ROUNDOFF = 1e-14    # what it leaves at best, relative
 UNKNOWN = 0.1       # of the tolerance, that what is not known of S_D may change
@@ -78,8 +76,7 @@ class Increments:
         dim = disc.contact.dim
         blocks = cast(Array, np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim)))
         self.known = KnownResponse(lambda s: self.response.Product(s), disc.contact.weights, blocks)
-        for direction in Spread(disc.contact.coordinates, disc.contact.weights, min(GROUPS, len(self.scale) // FEWEST)):
-            self.known.Learn(direction)
+        self.known.Learn(moment.traction - Apply(self.stiffness, moment.displacement))
         self.loads = SpannedLoads(lambda load: self.response.Solve(load))
         self.moment = self._Moment(disc, moment.loading, moment, moment.residual)
         self.free = self._Free(disc, moment.loading)[0]
@@ -98,8 +95,8 @@ class Increments:
             found = self._Newton(graph, q, free)
             outside = self.known.Outside(found.s)
             known = self._Negligible(outside, found.point)
-            if not found.solved:        # where S_V is S_D, that is not for want of knowledge
-                found = self._BySteps(graph, free, SUBSTEPS if known else FIRST)
+            if known and not found.solved:      # not for want of knowledge
+                found = self._BySteps(graph, free)
                 outside = self.known.Outside(found.s)
                 known = self._Negligible(outside, found.point)
             if known and found.solved:
@@ -153,9 +150,9 @@ class Increments:
         return Instant(disc=disc, loading=loading, displacement=displacement, traction=traction, residual=residual,
                       Product=Product)
 
-    def _BySteps(self, graph: ContactGraph, free: Array, most: int) -> _Found:
-        """The state with S_V, by up to 2^most substeps of the load from the last state."""
-        for halvings in range(1, most + 1):
+    def _BySteps(self, graph: ContactGraph, free: Array) -> _Found:
+        """The state with S_V, by substeps of the load from the last state."""
+        for halvings in range(1, SUBSTEPS + 1):
             q = graph.Coordinates(self.moment.displacement, self.moment.traction)
             for part in np.arange(1, 2 ** halvings + 1) / 2 ** halvings:
                 found = self._Newton(graph, q, self.free + part * (free - self.free))
@@ -176,7 +173,7 @@ class Increments:
             F = point.displacement - first.displacement - (free - first.free) + self.known.Times(s)
             return point, s, F, float(np.sum(weights * F ** 2))
 
-        goal = max(GOAL * self.tol, ROUNDOFF)
+        goal, leaps = max(GOAL * self.tol, ROUNDOFF), LEAPS
         point, s, F, merit = Evaluate(q)
         for _ in range(STEPS):
             if self._Relative(F, point) <= goal:
@@ -189,6 +186,8 @@ class Increments:
             trials = (Evaluate(point.q + step / 2 ** halvings) for halvings in range(HALVINGS + 1))
             better = next((trial for trial in trials if trial[3] <= (1 - DECREASE) * merit), None)
             if better is None:
-                break
+                if not leaps:
+                    break
+                leaps, better = leaps - 1, Evaluate(point.q + step)
             point, s, F, merit = better
         return _Found(point=point, s=s, F=F, solved=self._Relative(F, point) <= goal)

@@ -1,16 +1,16 @@
 """What is known of the compliance operator on Gamma_C from few products, for a symmetric matrix.
 
-With V an orthonormal basis in L2(Gamma_C) of the tractions whose products have been paid for, B blocks at the points and
-E = (S_D - B) V,
+With B positive definite blocks at the points and V tractions whose products Y = S_D V have been paid for, made such that
+V' W Y = 1, the guess of S_D is that of the BFGS method (Nocedal, Wright: Numerical Optimization, 2006, (6.17)),
 
-    S_V = B + E V' + V E' - V (V' E) V',
+    S_V = Y Y' W + (1 - Q)* B (1 - Q),     Q = V Y' W,
 
-which is S_D on their span and, since S_D is symmetric, against it; only (1 - V V')(S_D - B)(1 - V V') is missing.
+which is S_D on their span, against it, and as S_D is positive: what is missing, (1 - Q)* (S_D - B) (1 - Q), sees s - Q s alone.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import cast
 
 import numpy as np
@@ -19,7 +19,8 @@ from ..contracts import Array
 from ..discrete.response import Apply
 from ..tools.parallel import Batched
 
-FEW = 4         # directions are few if so many times their number are less than the components of a traction
+DENSE = 1500    # components of a traction up to which S_V is kept as a matrix
+VOID = 1e-8     # of what S_V says of a traction: less is none, as that of one that no displacement on Gamma_C sees
 
 
 class KnownResponse:
@@ -31,8 +32,10 @@ class KnownResponse:
     def __init__(self, Product: Callable[[Array], Array], weights: Array, blocks: Array) -> None:
         self.Product, self.blocks = Product, blocks
         self.root = np.repeat(np.sqrt(weights), blocks.shape[1])
-        self.V = self.E = np.empty((len(self.root), 0))
-        self.coupling = np.empty((0, 0))        # V' E, symmetric
+        # All in coordinates root s, in which S_D is symmetric.
+        self.V = self.Y = self.Z = np.empty((len(self.root), 0))    # Z: S_V V before V was known
+        self.a = np.empty(0)                                        # S_V = B + Y diag(a) Y' - Y Z' - Z Y'
+        self.matrix = _Diagonal(blocks) if len(self.root) <= DENSE else None
 
     @property
     def complete(self) -> bool:
@@ -40,36 +43,49 @@ class KnownResponse:
         return self.V.shape[1] >= len(self.root)
 
     def Outside(self, s: Array) -> Array:
-        """The part of s (n, d) that is orthogonal to the span."""
-        scaled = self.root * s.ravel()
+        """(1 - Q) s, (n, d): the part of s of which S_D is not known."""
+        return (self._Outside(self.root * s.ravel()) / self.root).reshape(s.shape)
+
+    def _Outside(self, scaled: Array) -> Array:
         for _ in range(2):
-            scaled = scaled - self.V @ (self.V.T @ scaled)
-        return (scaled / self.root).reshape(s.shape)
+            scaled = scaled - self.V @ (self.Y.T @ scaled)
+        return scaled
 
     def Times(self, s: Array) -> Array:
         """S_V s, (n, d) -> (n, d)."""
-        scaled = self.root * s.ravel()
-        along = self.V.T @ scaled
-        change = self.E @ along + self.V @ (self.E.T @ scaled - self.coupling @ along)
-        return Apply(self.blocks, s) + (change / self.root).reshape(s.shape)
+        return (self._Times(self.root * s.ravel()) / self.root).reshape(s.shape)
+
+    def _Times(self, scaled: Array) -> Array:
+        if self.matrix is not None:
+            return cast(Array, self.matrix @ scaled)
+        along = self.Y.T @ scaled
+        return (Apply(self.blocks, scaled.reshape(len(self.blocks), -1)).ravel()
+                + self.Y @ (self.a * along - self.Z.T @ scaled) - self.Z @ along)
 
     def Learn(self, s: Array) -> float:
-        """Add the direction of what is outside of the span of s, by one application of the inverse.
+        """Add what is outside of the span of s, by one application of the inverse.
 
-        Returns how much larger S_D of it is than what S_V was there, less 1, both in L2(Gamma_C).
+        Returns how far S_D of it is from what S_V was there, relative, in L2(Gamma_C).
         """
-        scaled = self.root * self.Outside(s).ravel()
-        scaled /= np.linalg.norm(scaled) or 1.0
-        scaled -= self.V @ (self.V.T @ scaled)
-        scaled /= np.linalg.norm(scaled)
-        direction = (scaled / self.root).reshape(s.shape)
-        expected = self.root * self.Times(direction).ravel()
-        image = self.root * self.Product(direction).ravel()
-        E = image - self.root * Apply(self.blocks, direction).ravel()
-        beside, own = self.V.T @ E, scaled @ E
-        self.V, self.E = np.column_stack([self.V, scaled]), np.column_stack([self.E, E])
-        self.coupling = np.block([[self.coupling, beside[:, None]], [beside[None], np.array([[own]])]])
-        return float(np.linalg.norm(image - expected) / (np.linalg.norm(expected) or 1.0))
+        v = self._Outside(self.root * s.ravel())
+        v = v / (np.linalg.norm(v) or 1.0)
+        y = self.root * self.Product((v / self.root).reshape(s.shape)).ravel()
+        z = self._Times(v)
+        off = float(np.linalg.norm(y - z) / (np.linalg.norm(z) or 1.0))
+        energy, guess = v @ y, v @ z
+        if energy > VOID * guess:
+            size = np.sqrt(energy)
+            v, y, z = v / size, y / size, z / size
+            v, y = v - self.V @ (self.Y.T @ v), y - self.Y @ (self.Y.T @ v)
+            a = 1.0 + v @ z
+        else:       # S_D v = 0: Q is the projection on v, and S_V v shall be 0
+            y, a = v, guess
+        self.V, self.Y, self.Z = (np.column_stack(pair) for pair in ((self.V, v), (self.Y, y), (self.Z, z)))
+        self.a = np.append(self.a, a)
+        if self.matrix is not None:
+            change = np.outer(y, 0.5 * a * y - z)
+            self.matrix += change + change.T
+        return off
 
     @Batched
     def Solve(self, local: Array, shifted: Array, b: Array) -> Array:
@@ -81,45 +97,27 @@ class KnownResponse:
 
     def _Solution(self, local: Array, shifted: Array, b: Array) -> Array:
         n, dim = b.shape
-        diagonal = local + self.blocks @ shifted
-        left, right = self._Factors(shifted)
-        if FEW * left.shape[1] > 2 * n * dim:
-            matrix = left @ right
+        root = self.root.reshape(n, dim)[:, :1, None]
+        if self.matrix is not None:
+            matrix = np.einsum("anj,njk->ank", self.matrix.reshape(-1, n, dim), shifted * root).reshape(n * dim, n * dim)
+            matrix /= self.root[:, None]
             rows = np.arange(n * dim).reshape(n, dim)
-            matrix[rows[:, :, None], rows[:, None, :]] += diagonal
+            matrix[rows[:, :, None], rows[:, None, :]] += local
             return cast(Array, np.linalg.solve(matrix, b.ravel())).reshape(n, dim)
-        inverse = cast(Array, np.linalg.inv(diagonal))
+        inverse = cast(Array, np.linalg.inv(local + self.blocks @ shifted))
         first = Apply(inverse, b)
-        if not left.shape[1]:
-            return first
+        left = np.column_stack([self.Y * self.a - self.Z, self.Y]) / self.root[:, None]
+        weighted = np.column_stack([self.Y, -self.Z]).reshape(n, dim, -1)
+        right = np.einsum("nij,nik->njk", shifted * root, weighted).reshape(n * dim, -1).T
         spread = np.einsum("nij,njk->nik", inverse, left.reshape(n, dim, -1)).reshape(left.shape)
         small = np.eye(left.shape[1]) + right @ spread
         return first - (spread @ np.linalg.solve(small, right @ first.ravel())).reshape(n, dim)
 
-    def _Factors(self, shifted: Array) -> tuple[Array, Array]:
-        """(left, right) with left right = (S_V - B) shifted, in coordinates without weights."""
-        n, dim = shifted.shape[:2]
-        left = np.column_stack([self.E - self.V @ self.coupling, self.V]) / self.root[:, None]
-        weighted = (np.column_stack([self.V, self.E]) * self.root[:, None]).reshape(n, dim, -1)
-        right = np.einsum("nij,nik->njk", shifted, weighted).reshape(n * dim, -1).T
-        return left, right
 
-
-def Spread(coordinates: Array, weights: Array, groups: int) -> Iterator[Array]:
-    """Tractions (n, d) that are constant on groups of neighbouring points and 0 elsewhere, for each component."""
-    n, dim = coordinates.shape
-    parts = [np.arange(n)]
-    while len(parts) < groups:
-        largest = max(parts, key=lambda part: weights[part].sum() if len(part) > 1 else 0.0)
-        if len(largest) < 2:
-            break
-        parts = [part for part in parts if part is not largest]
-        axis = np.argmax(np.ptp(coordinates[largest], axis=0))
-        order = largest[np.argsort(coordinates[largest, axis], kind="stable")]
-        half = int(np.clip(np.searchsorted(np.cumsum(weights[order]), 0.5 * weights[order].sum()), 1, len(order) - 1))
-        parts += [order[:half], order[half:]]
-    for part in parts:
-        for component in range(dim):
-            direction = np.zeros((n, dim))
-            direction[part, component] = 1.0
-            yield direction
+def _Diagonal(blocks: Array) -> Array:
+    """The matrix with these blocks on its diagonal."""
+    n, dim = blocks.shape[:2]
+    matrix = np.zeros((n * dim, n * dim))
+    rows = np.arange(n * dim).reshape(n, dim)
+    matrix[rows[:, :, None], rows[:, None, :]] = blocks
+    return matrix

@@ -37,8 +37,9 @@ LEAPS = 5           # but for so many, which may lead out of a local minimum
 WORK = 8000         # of all these steps in an increment, after which it has failed
 SUBSTEPS = 6        # the load of an increment is divided into 2^6 parts at most, where Newton's method fails though S_V is S_D
 GOAL = 0.02         # of the tolerance, for Newton's method with S_V
-ROUNDOFF = 1e-14    # what it leaves at best, relative
-UNKNOWN = 0.1       # of the tolerance, that what is not known of S_D may change
+ROUNDOFF = 1e-13    # what it leaves at best, relative
+EARLY = 0.1        # of what S_V may be off, at which that method can stop
+UNKNOWN = 0.5       # of the tolerance, that what is not known of S_D may change
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -114,7 +115,11 @@ class Increments:
 
     def _Negligible(self, outside: Array, point: GraphPoint) -> bool:
         """Is what S_D may do to a part of s of which it is not known below the tolerance?"""
-        return self._Relative(self.unsure * self.known.Times(outside), point) <= UNKNOWN * self.tol
+        return self._Unknown(outside, point) <= UNKNOWN * self.tol
+
+    def _Unknown(self, outside: Array, point: GraphPoint) -> float:
+        """What S_D may do to a part of s of which it is not known, relative."""
+        return self._Relative(self.unsure * self.known.Times(outside), point)
 
     def _Relative(self, change: Array, point: GraphPoint) -> float:
         """A change of the displacement, and what it does to the traction, relative to these now or in the last state."""
@@ -125,8 +130,7 @@ class Increments:
 
     def _Error(self, found: _Found) -> float:
         """How far the point of the graph is from equilibrium, relative."""
-        return self._Relative(found.F, found.point) + self._Relative(
-            self.unsure * self.known.Times(self.known.Outside(found.s)), found.point)
+        return self._Relative(found.F, found.point) + self._Unknown(self.known.Outside(found.s), found.point)
 
     def _Free(self, disc: DiscreteProblem, loading: Loading) -> tuple[Array, Array]:
         """(b at the contact points (n, d), its coefficients (ndof,)): the response to the loads alone."""
@@ -176,7 +180,7 @@ class Increments:
         goal, leaps = max(GOAL * self.tol, ROUNDOFF), LEAPS
         point, s, F, merit = Evaluate(q)
         for _ in range(STEPS):
-            if self._Relative(F, point) <= goal:
+            if self._Relative(F, point) <= max(goal, EARLY * self._Unknown(self.known.Outside(s), point)):
                 return _Found(point=point, s=s, F=F, solved=True)
             self.left -= 1
             relief = (np.eye(graph.contact.dim) - point.derivative) / self.scale[:, None, None]

@@ -20,7 +20,8 @@ from ..discrete.response import Apply
 from ..tools.parallel import Batched
 
 DENSE = 1500    # components of a traction up to which S_V is kept as a matrix
-VOID = 1e-8     # of what S_V says of a traction: less is none, as that of one that no displacement on Gamma_C sees
+NOTHING = 1e-14 # of a block is round-off
+VOID = 1e-12    # of what S_V says of a traction: less is round-off of one that no displacement on Gamma_C sees
 
 
 class KnownResponse:
@@ -34,8 +35,8 @@ class KnownResponse:
         self.root = np.repeat(np.sqrt(weights), blocks.shape[1])
         # All in coordinates root s, in which S_D is symmetric.
         self.V = self.Y = self.Z = np.empty((len(self.root), 0))    # Z: S_V V before V was known
-        self.a = np.empty(0)                                        # S_V = B + Y diag(a) Y' - Y Z' - Z Y'
-        self.matrix = _Diagonal(blocks) if len(self.root) <= DENSE else None
+        self.seen = self.a = np.empty(0)        # 1 or, for S_D V = 0, 0; S_V = B + Y diag(a) Y' - Y Z' - Z Y'
+        self.change = np.zeros((len(self.root),) * 2) if len(self.root) <= DENSE else None      # S_V - B
 
     @property
     def complete(self) -> bool:
@@ -56,11 +57,10 @@ class KnownResponse:
         return (self._Times(self.root * s.ravel()) / self.root).reshape(s.shape)
 
     def _Times(self, scaled: Array) -> Array:
-        if self.matrix is not None:
-            return cast(Array, self.matrix @ scaled)
+        # In this order what is known does not carry the round-off of what is not.
         along = self.Y.T @ scaled
-        return (Apply(self.blocks, scaled.reshape(len(self.blocks), -1)).ravel()
-                + self.Y @ (self.a * along - self.Z.T @ scaled) - self.Z @ along)
+        rest = Apply(self.blocks, (scaled - self.V @ along).reshape(len(self.blocks), -1)).ravel()
+        return rest + self.Y @ (self.seen * along - self.V.T @ rest)
 
     def Learn(self, s: Array) -> float:
         """Add what is outside of the span of s, by one application of the inverse.
@@ -72,19 +72,17 @@ class KnownResponse:
         y = self.root * self.Product((v / self.root).reshape(s.shape)).ravel()
         z = self._Times(v)
         off = float(np.linalg.norm(y - z) / (np.linalg.norm(z) or 1.0))
-        energy, guess = v @ y, v @ z
-        if energy > VOID * guess:
-            size = np.sqrt(energy)
-            v, y, z = v / size, y / size, z / size
+        energy, seen = v @ y, float(np.linalg.norm(y) > VOID * np.linalg.norm(z) and v @ y > 0)
+        if seen:
+            v, y, z = (part / np.sqrt(energy) for part in (v, y, z))
             v, y = v - self.V @ (self.Y.T @ v), y - self.Y @ (self.Y.T @ v)
-            a = 1.0 + v @ z
-        else:       # S_D v = 0: Q is the projection on v, and S_V v shall be 0
-            y, a = v, guess
+        else:       # S_D v = 0, so S_V v shall be 0, and Q v = v
+            y = v - self.Y @ (self.V.T @ v)
         self.V, self.Y, self.Z = (np.column_stack(pair) for pair in ((self.V, v), (self.Y, y), (self.Z, z)))
-        self.a = np.append(self.a, a)
-        if self.matrix is not None:
-            change = np.outer(y, 0.5 * a * y - z)
-            self.matrix += change + change.T
+        self.seen, self.a = np.append(self.seen, seen), np.append(self.a, seen + v @ z)
+        if self.change is not None:
+            change = np.outer(y, 0.5 * self.a[-1] * y - z)
+            self.change += change + change.T
         return off
 
     @Batched
@@ -96,28 +94,21 @@ class KnownResponse:
             return np.full_like(b, np.nan)
 
     def _Solution(self, local: Array, shifted: Array, b: Array) -> Array:
+        """From y = shifted x: y + G (S_V - B) y = G b with blocks G, in coordinates root b."""
         n, dim = b.shape
-        root = self.root.reshape(n, dim)[:, :1, None]
-        if self.matrix is not None:
-            matrix = np.einsum("anj,njk->ank", self.matrix.reshape(-1, n, dim), shifted * root).reshape(n * dim, n * dim)
-            matrix /= self.root[:, None]
-            rows = np.arange(n * dim).reshape(n, dim)
-            matrix[rows[:, :, None], rows[:, None, :]] += local
-            return cast(Array, np.linalg.solve(matrix, b.ravel())).reshape(n, dim)
         inverse = cast(Array, np.linalg.inv(local + self.blocks @ shifted))
-        first = Apply(inverse, b)
-        left = np.column_stack([self.Y * self.a - self.Z, self.Y]) / self.root[:, None]
-        weighted = np.column_stack([self.Y, -self.Z]).reshape(n, dim, -1)
-        right = np.einsum("nij,nik->njk", shifted * root, weighted).reshape(n * dim, -1).T
-        spread = np.einsum("nij,njk->nik", inverse, left.reshape(n, dim, -1)).reshape(left.shape)
-        small = np.eye(left.shape[1]) + right @ spread
-        return first - (spread @ np.linalg.solve(small, right @ first.ravel())).reshape(n, dim)
-
-
-def _Diagonal(blocks: Array) -> Array:
-    """The matrix with these blocks on its diagonal."""
-    n, dim = blocks.shape[:2]
-    matrix = np.zeros((n * dim, n * dim))
-    rows = np.arange(n * dim).reshape(n, dim)
-    matrix[rows[:, :, None], rows[:, None, :]] = blocks
-    return matrix
+        G, scaled = shifted @ inverse, self.root.reshape(n, dim) * b
+        right = Apply(G, scaled).ravel()
+        if self.change is None:
+            left = np.column_stack([self.Y * self.a - self.Z, -self.Y])
+            other = np.column_stack([self.Y, self.Z])
+            small = np.eye(left.shape[1]) + other.T @ np.einsum("nij,njk->nik", G, left.reshape(n, dim, -1)).reshape(left.shape)
+            moved = left @ np.linalg.solve(small, other.T @ right)
+        else:
+            # Of a law like that in D y is 0, so there are fewer unknowns.
+            sizes = np.abs(G).max(axis=2).ravel()
+            rows = np.flatnonzero(sizes > NOTHING * sizes.max(initial=0))
+            matrix = np.einsum("nij,njk->nik", G, self.change[:, rows].reshape(n, dim, -1)).reshape(n * dim, -1)[rows]
+            matrix[np.diag_indices(len(rows))] += 1
+            moved = self.change[:, rows] @ np.linalg.solve(matrix, right[rows])
+        return Apply(inverse, scaled - moved.reshape(n, dim)) / self.root.reshape(n, dim)

@@ -94,7 +94,9 @@ def _Setting(disc: Any) -> list[str]:
     lines = ["material " + repr(problem.material)]
     named = {name for _, region in problem.Regions()
              for name, found in zip(disc.mesh.GetBoundaries(), disc.mesh.Boundaries(region).Mask()) if found}
-    free = [name for name in dict.fromkeys(disc.mesh.GetBoundaries()) if name not in named]
+    numbers, regions, _ = disc.facets.boundary
+    outer = set(np.array(disc.mesh.GetBoundaries())[np.unique(regions[disc.facets.neighbours[numbers] == 1])])
+    free = [name for name in dict.fromkeys(disc.mesh.GetBoundaries()) if name in outer - named]
     if free:
         rows.append(("free", ", ".join(free), ""))
     dim = disc.mesh.dim

@@ -121,7 +121,8 @@ def TextBox(axes: Any, text: Any) -> Any:
 def _Fit(figure: Figure) -> None:
     """Make axes smaller whose names are beyond the rim of the figure, as those of a flat body are, and place them anew."""
     width, tight = figure.bbox.width - APART, False
-    for axes in figure.axes:
+    solids: list[Any] = figure.axes
+    for axes in solids:
         middle = axes.get_window_extent().intervalx.mean()
         names = [axis.label.get_window_extent() for axis in (axes.xaxis, axes.yaxis, axes.zaxis)]
         room = min((width - middle) / (max(box.x1 for box in names) - middle),

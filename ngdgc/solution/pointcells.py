@@ -7,10 +7,12 @@ from typing import Any
 import numpy as np
 from ngsolve import ET, QUAD, SEGM, TRIG, IntegrationRule
 
+from ..contact.boundary import ContactBoundary
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
-from ..mesh.facets import TYPES
+from ..mesh.facets import TYPES, Facets
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
+from ..problem.foundation import Foundation
 
 EQUAL = 1e-13       # of areas, relative to the side
 CLOSE = 1e-9        # corners of a cell that are one
@@ -103,27 +105,47 @@ class ContactCells:
 
     points : NGSolve's mesh points inside the elements, at the corners;  coordinates (m, d);  corners : list of their numbers
     weights : (pairs,), of the quadrature, which are the areas of the cells where the sides are flat parallelograms or triangles
+
+    Of a joint they are on its first side.
     """
 
     def __init__(self, disc: DiscreteProblem) -> None:
-        dim, rules = disc.mesh.dim, ContactRules(disc.method, disc.mesh.dim, disc.order)
+        dim, facets, contact = disc.mesh.dim, disc.facets, disc.contact
+        rules = ContactRules(disc.method, dim, disc.order)
         kinds = {et: rules[et] if isinstance(rules, dict) else IntegrationRule(et, rules) for et in TYPES[dim - 1].values()}
         cells = {et: PointCells(et, rule) for et, rule in kinds.items()}
-        corners = {et: np.concatenate(parts) for et, parts in cells.items()}
-        at = {et: IntegrationRule([tuple(corner) for corner in places.tolist()], [0.0] * len(places))
-              for et, places in corners.items()}
-        foundations = [part.foundation.boundary for part in disc.contact.parts]
-        rows = [(BoundaryQuadrature.On(disc.facets, region, at), BoundaryQuadrature.On(disc.facets, region, rules))
-                for region in foundations]
-        self.points = np.concatenate([row.inside for row, _ in rows])
-        self.coordinates = np.concatenate([row.coordinates for row, _ in rows])
-        self.weights = np.concatenate([row.weights for _, row in rows])
-        # The sides are the same in both, in the same order, each with the points of its rule in a row.
-        sizes = []
-        for _, quadrature in rows:
+        at = {et: IntegrationRule([tuple(corner) for cell in parts for corner in cell.tolist()], [0.0] * sum(map(len, parts)))
+              for et, parts in cells.items()}
+        points, coordinates, weights, sizes = [], [], [], list[int]()
+        for part in contact.parts:
+            region, side = part.foundation.boundary, _FirstSide(facets, part.foundation)
+            corners, quadrature = (BoundaryQuadrature.On(facets, region, rule, side=side) for rule in (at, rules))
+            # The sides are the same in both, in the same order, each with the points of its rule in a row.
             starts = np.flatnonzero(np.diff(quadrature.boundaryelements, prepend=-1))
-            for number in quadrature.boundaryelements[starts]:
-                et = TYPES[dim - 1][int((disc.facets.boundary[2][number] >= 0).sum())]
-                sizes += [len(cell) for cell in cells[et]]
-        ends = np.cumsum(sizes)
-        self.corners = [np.arange(end - size, end) for end, size in zip(ends, sizes)]
+            counts = [len(cell) for number in quadrature.boundaryelements[starts]
+                      for cell in cells[TYPES[dim - 1][int((facets.boundary[2][number] >= 0).sum())]]]
+            rows = _Rows(quadrature, contact, part.points)
+            ends = np.cumsum(counts)
+            chosen = np.concatenate([np.arange(ends[row] - counts[row], ends[row]) for row in rows])
+            points.append(corners.inside[chosen])
+            coordinates.append(corners.coordinates[chosen])
+            weights.append(quadrature.weights[rows])
+            sizes += [counts[row] for row in rows]
+        self.points, self.coordinates, self.weights = (np.concatenate(parts) for parts in (points, coordinates, weights))
+        self.corners = [np.arange(end - size, end) for end, size in zip(np.cumsum(sizes), sizes)]
+
+
+def _FirstSide(facets: Facets, foundation: Foundation) -> Any:
+    """As `BoundaryQuadrature.On` takes it; where nodes are doubled sides are those of one element."""
+    return np.where(facets.interfaces.sign > 0, 0, 1) if foundation.kind == "joint" and facets.doubled is None else 0
+
+
+def _Rows(quadrature: BoundaryQuadrature, contact: ContactBoundary, here: slice) -> Any:
+    """The rows of a quadrature that are the pairs of the points of a foundation: of a joint not all of them are."""
+    mine = np.flatnonzero((contact.members >= here.start) & (contact.members < here.stop))
+    numbers, places = contact.boundaryelements[mine], contact.coordinates[contact.members[mine]]
+    if np.array_equal(numbers, quadrature.boundaryelements):
+        return np.arange(len(mine))
+    rows = {number: np.flatnonzero(quadrature.boundaryelements == number) for number in np.unique(numbers)}
+    return np.array([rows[number][np.linalg.norm(quadrature.coordinates[rows[number]] - place, axis=1).argmin()]
+                     for number, place in zip(numbers, places)])

@@ -36,6 +36,13 @@ def test_a_new_case_can_be_checked_and_run_at_once(tmp_path, capsys, monkeypatch
 
 
 @pytest.mark.slow
+def test_interfaces_in_the_body_are_not_called_free(tmp_path, capsys):
+    assert Main(["check", "two_rollers", "--n", "4", "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    assert "free        side\n" in shown and "inside the body" in shown
+
+
+@pytest.mark.slow
 def test_nothing_is_solved_by_a_check(tmp_path, capsys, monkeypatch):
     """Not even a case that nobody could wait for; loads are summed up, over all that carries them."""
     monkeypatch.setattr("ngdgc.solvers.driver.Drive", None)

@@ -4,12 +4,12 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from bodies import Layers, Perforated, Pyramids
+from bodies import LINE, Crossed, Layers, Perforated, Pyramids
 from ngsolve import CF, QUAD, SEGM, TRIG, Integrate, IntegrationRule, Mesh, Norm, Parameter
 from problems import Loaded, Solved
 
-from ngdgc import (LDG, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   NormalCompliance, SolveHistory)
+from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, Joint, NormalCompliance, SolveHistory)
 from ngdgc.export import WriteContactVTK, WriteSeries, WriteVTK
 from ngdgc.mesh.facets import Facets
 from ngdgc.mesh.quadrature import ContactRules
@@ -257,3 +257,27 @@ def Led():
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(1e4)),
                              dirichlet={"top": CF((0.01 * t, -0.02 * t))})
     return SolveHistory(Discretization(problem, LDG(), RectangleMesh(2)), parameter=t, times=[0.5, 1])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", [LDG(), Conforming()], ids=lambda method: method.name)
+@pytest.mark.parametrize("mesh", [Layers(2), Layers(3), Crossed({"mid": [LINE[1:5]]})], ids=["2D", "3D", "inside"])
+def test_contact_cells_of_a_joint(mesh, method, tmp_path):
+    """On its first side, whose displacement is at the corners; of conforming elements the ends of a joint are no points."""
+    laws, up = {"compliance": NormalCompliance(50), "friction": CoulombFriction(0.3)}, (0,) * (mesh.dim - 2)
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), [Foundation("bottom", **laws), Joint("mid", **laws)],
+                             dirichlet={"top": (0.01, *up, -0.03)})
+    solution = Solved(problem, method, mesh, order=2)
+    arrays, contact, dim = Read(WriteContactVTK(solution, tmp_path / "contact")), solution.disc.contact, mesh.dim
+    sizes, members = np.array([Size(cell) for cell in Corners(arrays)]), arrays["cell point"]
+    assert np.array_equal(members, contact.members) and np.abs(sizes - arrays["cell weights"]).max() < 1e-12
+    assert np.bincount(members, sizes) == pytest.approx(contact.weights, rel=1e-12)
+    assert sizes @ arrays["cell pressure"] == pytest.approx(solution.normalforce, rel=1e-12)
+    on = np.repeat(contact.joined[members], np.diff(arrays["offsets"], prepend=0))
+    middles = np.repeat([cell.mean(axis=0) for cell in Corners(arrays)], np.diff(arrays["offsets"], prepend=0), axis=0)
+    inward = np.repeat(contact.normals[members], np.diff(arrays["offsets"], prepend=0), axis=0)
+    inside = (middles + 0.999 * (arrays["Points"] - middles))[:, :dim] - 1e-3 * inward
+    near = np.array([solution.At(*point) for point in inside[on]])
+    found = arrays["displacement"][on, :dim]
+    other = np.array([solution.At(*point) for point in (inside + 2e-3 * inward)[on]])
+    assert np.abs(found - near).max() < 0.2 * np.abs(found - other).max()

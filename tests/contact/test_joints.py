@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bodies import LINE, Crossed, Layers, Stacked
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, Integrate, Mesh, specialcf, x, y, z
+from ngsolve import CF, GridFunction, Integrate, Mesh, specialcf, x, y, z
 from problems import TEN
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
@@ -14,8 +14,10 @@ from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, 
                    NormalCompliance, ProblemError, SemismoothNewtonSolver, Solve, TrescaFriction, UzawaSolver)
 from ngdgc.contact.graph import ZONES
 from ngdgc.contact.sides import Sides
+from ngdgc.linear.multigrid import StrongNeighbours
 from ngdgc.mesh.doubling import Doubled
-from ngdgc.mesh.facets import Facets, Free
+from ngdgc.mesh.facets import Csr, Facets, Free
+from ngdgc.theory.lemmas import NormMatrix
 
 K, P, NU, MID = 5000.0, 40.0, 0.3, 0.4      # stiffness of the joint, pressure, Poisson's ratio, height of the joint
 MODULI = {"soft": 500.0, "hard": 1000.0}
@@ -220,11 +222,13 @@ def test_joint_and_foundation_in_one_body():
 
 
 def test_iterative_inverse_lets_parts_come_apart():
-    """The levels of multigrid are continuous across strong facets, not across joints: few steps, and the same solution."""
+    """The levels of multigrid are continuous across strong facets, not across joints: and the solution is the same."""
     problem, _ = Patch(3, 8.0, 0.0)
     direct, iterative = (Solve(Discretization(problem, LDG(), BODIES[3], inverse=name))
                          for name in ("sparsecholesky", "iterative"))
     assert iterative.vector == pytest.approx(direct.vector, abs=1e-8 * np.abs(direct.vector).max())
+    joined, cut = Facets(BODIES[3]), Facets(BODIES[3], ["mid"])
+    assert len(StrongNeighbours(joined)[0]) - len(StrongNeighbours(cut)[0]) == cut.cut.sum() == 2
 
 
 def test_saved_solution_knows_its_joints(tmp_path):
@@ -308,3 +312,31 @@ def test_solution_on_doubled_nodes_is_saved_with_the_mesh_that_was_given(tmp_pat
     loaded = ContactSolution.Load(tmp_path / "saved", problem)
     assert loaded.vector == pytest.approx(solution.vector, abs=1e-15)
     assert loaded.Force("mid", material="soft") == pytest.approx([8, -P]) == solution.Force("mid")
+
+
+def test_norm_of_the_theory_has_no_jumps_of_joints():
+    """What moves a part along the joint costs nothing in |||.|||, which it does without the joint."""
+    data = {"dirichlet": {"bottom": (0, 0)}, "roller": {"right": 0}}
+    joint = Joint("mid", NormalCompliance(K), friction=CoulombFriction(0.3))
+    for foundation, free in ((joint, True), (Foundation("top", NormalCompliance(1)), False)):
+        disc = Discretization(ContactProblem(Material(BODIES[2]), foundation, **data), LDG(), BODIES[2])
+        up = GridFunction(disc.space)
+        up.Set(BODIES[2].MaterialCF({"hard": (0, 1), "soft": (0, 0)}))
+        vector = up.vec.FV().NumPy()
+        assert (vector @ (Csr(NormMatrix(disc)) @ vector) < 1e-12) == free
+
+
+def test_order_of_joints_is_told_apart_in_what_is_saved(tmp_path):
+    """Two joints with their laws exchanged are another problem, also where nothing touches."""
+    mesh = Crossed({"mid": [LINE], "low": [[(i, 1) for i in range(7)]]})
+    laws = {"friction": CoulombFriction(0.3), "gap": 1.0}
+    names = ["mid", "low"]
+
+    def Problem(order):
+        return ContactProblem(HookeMaterial(E=1000, nu=NU), [Joint(name, NormalCompliance(K), **laws) for name in order],
+                              dirichlet={"top": (0, 0), "bottom": (0, 0), "left": (0, 0)})
+
+    Solve(Discretization(Problem(names), LDG(), mesh)).Save(tmp_path / "saved")
+    assert ContactSolution.Load(tmp_path / "saved", Problem(names)).disc.problem.joints == names
+    with pytest.raises(ProblemError):
+        ContactSolution.Load(tmp_path / "saved", Problem(names[::-1]))

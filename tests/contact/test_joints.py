@@ -280,6 +280,9 @@ def test_nodes_are_doubled_between_the_ends_of_a_joint(mesh, vertices):
     assert Integrate(CF(1), doubled.mesh) == pytest.approx(Integrate(CF(1), mesh))
     assert doubled.component.max() == (0 if vertices in (2, 3) else 1)
     joint = Joint("mid", NormalCompliance(1))
+    # Its ends, which do not open, are no contact points.
+    problem = ContactProblem(HookeMaterial(E=1, nu=NU), joint)
+    assert len(Discretization(problem, Conforming(), mesh).contact.weights) == copies
     first, second = Sides(doubled, joint, 4)
     assert first.coordinates == pytest.approx(second.coordinates) and first.normals == pytest.approx(-second.normals)
     assert first.weights == pytest.approx(second.weights)
@@ -312,6 +315,23 @@ def test_solution_on_doubled_nodes_is_saved_with_the_mesh_that_was_given(tmp_pat
     loaded = ContactSolution.Load(tmp_path / "saved", problem)
     assert loaded.vector == pytest.approx(solution.vector, abs=1e-15)
     assert loaded.Force("mid", material="soft") == pytest.approx([8, -P]) == solution.Force("mid")
+
+
+def test_mesh_that_was_given_must_stay_as_it_is():
+    mesh = Layers(2)
+    solution = Solve(Discretization(Patch(2, 8.0, 0.0)[0], Conforming(), mesh))
+    mesh.Refine()
+    with pytest.raises(ProblemError, match="the mesh was refined"):
+        solution.gfu(0.5, 0.5)
+
+
+def test_softer_side_counts():
+    """Lengths by which solvers measure the joint are those of the softer material, on whichever side."""
+    joint = Joint("mid", NormalCompliance(K))
+    for moduli in ({"soft": 10, "hard": 1000}, {"soft": 1000, "hard": 10}):
+        material = HookeMaterial(E=BODIES[2].MaterialCF(moduli), nu=NU)
+        disc = Discretization(ContactProblem(material, joint, roller={"left": 0}), LDG(), BODIES[2])
+        assert disc.contact.flexibility == pytest.approx(1 / Shear(10), rel=0.2)
 
 
 def test_norm_of_the_theory_has_no_jumps_of_joints():

@@ -5,21 +5,25 @@ from __future__ import annotations
 from argparse import Namespace
 from collections import Counter
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from netgen.occ import OCCGeometry
 from ngsolve import CF, Integrate, Mesh
 
 from ..contracts import Array
+from ..exceptions import ProblemError
 from ..mesh.checks import CheckBoundary
 from ..mesh.facets import Facets, Vertices
 from ..mesh.quality import ShapeQuality
-from ..meshes import ReadMesh
+from ..meshes import ReadMesh, ShapeMesh
 from ..tools.tables import Aligned
-from .arguments import Commands
+from .arguments import Commands, Finite
 from .files import Files
 
 NAMES = {2: {3: "triangles", 4: "quadrilaterals"}, 3: {4: "tetrahedra", 5: "pyramids", 6: "prisms", 8: "hexahedra"}}
+STEP = (".step", ".stp")
 POOR = 0.1          # quality of a shape below which estimates and iterations suffer
 
 
@@ -28,7 +32,9 @@ def AddMesh(commands: Commands) -> None:
     mesh = commands.add_parser("mesh", help="say and draw what is in the file of a mesh",
                                description="Read a mesh as ReadMesh does: elements and their quality, names, sizes and normals "
                                "of the regions, and a picture.")
-    mesh.add_argument("file", help=".msh of Gmsh, .inp of Abaqus or CalculiX, .vol of Netgen")
+    mesh.add_argument("file", help=".msh of Gmsh, .inp of Abaqus or CalculiX, .vol of Netgen; .step of CAD is meshed")
+    mesh.add_argument("--maxh", type=Finite, help="largest size of elements in the mesh of a STEP file (default: a tenth of "
+                      "its extent)")
     mesh.add_argument("--out", default="results", help="folder for mesh.png (default results/)")
     mesh.set_defaults(command=MeshFile)
 
@@ -38,11 +44,27 @@ def MeshFile(options: Namespace) -> int:
     from ..plots import MeshFigure
     from .output import DrawInto
 
-    mesh = ReadMesh(options.file)
+    if Path(options.file).suffix.lower() in STEP:
+        mesh = _Meshed(options.file, options.maxh)
+    elif options.maxh is not None:
+        raise ProblemError(f"--maxh does not apply to {options.file}, which is a mesh already; leave it out")
+    else:
+        mesh = ReadMesh(options.file)
     print(f"{options.file}: {MeshWords(mesh)}")
     with Files(options.out, "mesh.png") as files:
         files.Write("mesh.png", partial(DrawInto, partial(MeshFigure, mesh)))
     return 0
+
+
+def _Meshed(file: str, maxh: float | None) -> Mesh:
+    """A mesh of second order of the shape in a STEP file."""
+    try:
+        shape = OCCGeometry(file).shape
+    except Exception as error:      # NgException is no RuntimeError
+        raise ProblemError(f"{file} is no STEP file, or is not there ({str(error).strip()}); give one that a CAD program has "
+                           "written") from error
+    lower, upper = (np.array([*corner]) for corner in shape.bounding_box)
+    return ShapeMesh(shape, maxh or float(np.max(upper - lower)) / 10, order=2)
 
 
 def MeshWords(mesh: Mesh) -> str:

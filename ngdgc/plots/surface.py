@@ -61,7 +61,8 @@ def Surface(faces: Any, colours: Any, title: str, legend: Mapping[str, str], *, 
 
 
 # What is painted later is in front: names and arrows of sides that are seen.
-SPACE: dict[str, Any] = {"projection": "3d", "proj_type": "ortho", "computed_zorder": False}
+# A background would cover the names of the axes on the left.
+SPACE: dict[str, Any] = {"projection": "3d", "proj_type": "ortho", "computed_zorder": False, "facecolor": "none"}
 
 
 def DrawFaces(axes: Any, faces: Any, colours: Any, view: Sequence[float], outlined: bool = True) -> None:

@@ -8,6 +8,7 @@ import pytest
 from bodies import Layers, Perforated, Pyramids
 from ngsolve import Mesh
 
+from ngdgc.cases import step_part
 from ngdgc.cli import Main
 from ngdgc.commands.check import Cost
 from ngdgc.commands.meshfile import MeshWords
@@ -127,3 +128,14 @@ def test_a_file_that_is_read(tmp_path, capsys):
     assert (tmp_path / "out" / "mesh.png").read_bytes().startswith(b"\x89PNG")
     (tmp_path / "no.vol").write_text("hello")
     assert Main(["mesh", str(tmp_path / "no.vol")]) == 2 and "is no mesh of Netgen" in capsys.readouterr().err
+
+
+@pytest.mark.slow
+def test_a_step_file_is_meshed(tmp_path, capsys):
+    """With the names of its faces, and curved: the bore of radius 14 through 30 mm."""
+    file = str(Path(step_part.__file__).with_name("step_part.step"))
+    assert Main(["mesh", file, "--maxh", "12", "--out", str(tmp_path)]) == 0
+    shown = capsys.readouterr().out
+    assert "geometry of order 2" in shown and (tmp_path / "mesh.png").stat().st_size > 5000
+    area = float(re.search(r"bore +\d+ +([\d.]+)", shown)[1])
+    assert area == pytest.approx(2 * np.pi * 14 * 30, rel=1e-3)

@@ -72,6 +72,8 @@ COMMANDS = [
     (lambda _: Looker().Solve(None), "the case is looked at | and not solved here | take ngdgc run"),
     (Checked("def Main(*, solver, **_):\n    return 1\n"), "was solved without the solver | call solver.Solve(disc | there"),
     (Checked("def Main():\n    return 1\n"), "cannot be called: | unexpected keyword argument | it needs the keywords method"),
+    (Typed("mesh OUT/part.step"), "part.step is no STEP file | or is not there | give one that a CAD program has written"),
+    (Typed("mesh OUT/part.msh --maxh 1"), "--maxh | does not apply to | leave it out"),
     (Typed("mesh OUT/file"), "file is | give the name of a mesh | .msh of Gmsh"),
     (Typed("run example_4_1 --colour red"), "unrecognized arguments: | --colour red | see ngdgc run --help"),
     (Typed("run example_4_1 --n many"), "--n: 'many' is not | a positive integer | give for example 4"),

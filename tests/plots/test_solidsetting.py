@@ -147,3 +147,9 @@ def test_a_gap_is_enlarged_within_limits():
                              dirichlet={"top": (0, -1e-5)})
     assert Magnification(Solve(Discretization(problem, LDG(), RectangleMesh(2))), "auto") == 2
     assert Magnification(example_4_1.Main(n=2), "auto") >= 1
+
+
+def test_axes_do_not_cover_the_names_of_others():
+    """Those on the right have no background: the name on the right of the left ones reaches under them."""
+    figure = Setting(-1)
+    assert all(axes.patch.get_facecolor()[3] == 0 for axes in figure.axes)

@@ -96,3 +96,30 @@ def _Escape(text):
     # A backslash ends a literal before a letter, as in a plural.
     return "".join((f"``{part}``" + ("\\ " if parts[number + 1][:1].isalnum() else "")) if number % 2 else part
                    for number, part in enumerate(parts))
+
+
+def QuickReference(text):
+    """The public names of a page with markers, a table for every heading of it: each name, linked, with the first sentence.
+
+    >>> print(QuickReference("# Reference\\n\\n## Penalties\\n\\n% public: ngdgc LDG\\n").splitlines()[-1][:35])
+    | {py:obj}`LDG <ngdgc.LDG>` | Local
+    """
+    lines, heading = [], None
+    for line in text.splitlines():
+        if line.startswith("## "):
+            heading = [line, "", "| | |", "|---|---|"]
+        for module, name in Names(line):
+            lines += ["", *heading] if heading[0] not in lines else []
+            sentence = FirstSentence(getattr(importlib.import_module(module), name))
+            lines.append(f"| {{py:obj}}`{name} <{module}.{name}>` | {sentence} |")
+    return "\n".join(lines)
+
+
+def FirstSentence(value):
+    """What a docstring begins with, as a cell of a table; of NGSolve's Solve, which has none, what it does here."""
+    paragraph = (inspect.getdoc(value) or "Solve an equation, or a Discretization by its default solver.").split("\n\n")[0]
+    # Not the points of "et al." and of initials.
+    sentence = re.split(r"(?<!\bal)(?<!\b[A-Z])\.\s(?=[A-Z`])", " ".join(paragraph.split()))[0].rstrip(".")
+    parts = sentence.split("`")
+    parts[::2] = [re.sub(r"([\\*_|<>\[\]$])", r"\\\1", part) for part in parts[::2]]
+    return "`".join(parts)

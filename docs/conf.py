@@ -11,7 +11,7 @@ sys.path.insert(0, str(DOCS))
 os.environ["PYTHONPATH"] = os.pathsep.join([str(DOCS), *filter(None, [os.environ.get("PYTHONPATH")])])
 
 import ngdgc  # noqa: E402
-from apidoc import ExpandMarkers, ToRst  # noqa: E402
+from apidoc import ExpandMarkers, QuickReference, ToRst  # noqa: E402
 from downloads import Offered  # noqa: E402
 from galleries import WriteGallery  # noqa: E402
 from offline import CopyMathJax, Finish  # noqa: E402
@@ -65,6 +65,8 @@ def Source(app, name, source):
     """Markers of the reference become its entries, and notebooks offer their files."""
     if name == "api":
         source[0] = ExpandMarkers(source[0])
+    elif name == "quick":
+        source[0] += QuickReference((DOCS / "api.md").read_text(encoding="utf-8"))
     file = Path(app.env.doc2path(name))
     if file.suffix == ".ipynb":
         source[0] = Offered(source[0], file.name)

@@ -37,6 +37,13 @@ class Discretization(DiscreteProblem):
     space : the NGSolve space V_h;  matrix : NGSolve's matrix A;  load : coefficients of f, (ndof,)
     form : B_h with its numerical fluxes;  contact : ContactBoundary
     solves : how often an inverse was applied;  factorisation : seconds that factorisations took
+
+    >>> from ngdgc import LDG
+    >>> from ngdgc.exact import SmoothSlip
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> disc = Discretization(SmoothSlip().problem, LDG(), RectangleMesh(4), order=2)
+    >>> disc.space.ndof, disc.Solve().converged
+    (384, True)
     """
 
     def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",

@@ -42,6 +42,13 @@ def EnergyError(solution: ContactSolution, displacement: Coefficient) -> float:
     """Square root of int C eps_h(u - u_h):eps_h(u - u_h), the paper's |.|_{1,h} [sqrt(stress length^d)]; u as for `L2Error`.
 
     Raises ProblemError for a u that has no symbolic derivative, too.
+
+    >>> from ngdgc import LDG, Discretization, Solve
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> EnergyError(Solve(Discretization(exact.problem, LDG(), RectangleMesh(2))), exact.displacement) < 1e-8
+    True
     """
     difference = solution.strain - ExactStrain(_Displacement(solution, displacement))
     return _Norm(InnerProduct(solution.disc.problem.material.Stress(difference), difference), solution)
@@ -52,6 +59,13 @@ def StrainError(solution: ContactSolution, displacement: Coefficient) -> float:
     """|eps_h(u - u_h)|/|eps(u)| in L2(Omega), no unit: the broken H1 error without C, which lam does not weight.
 
     u as for `EnergyError`, and not rigid: ProblemError if eps(u) = 0.
+
+    >>> from ngdgc import LDG, Discretization, Solve
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> StrainError(Solve(Discretization(exact.problem, LDG(), RectangleMesh(2))), exact.displacement) < 1e-8
+    True
     """
     strain = ExactStrain(_Displacement(solution, displacement))
     difference, size = solution.strain - strain, _Norm(InnerProduct(strain, strain), solution)

@@ -36,6 +36,10 @@ class Exact:
 
     `zones` maps points of Gamma_C (n, d) to SEPARATION, STICK or SLIP of `ngdgc.contact.graph`, (n,), to be compared with
     `ContactSolution.zones`.
+
+    >>> exact = SmoothSlip()
+    >>> isinstance(exact, Exact), exact.problem.dim
+    (True, 2)
     """
 
     problem: ContactProblem
@@ -53,6 +57,12 @@ def ExactStrain(u: Any) -> Any:
     """eps(u) of a CoefficientFunction with d = 2 or 3 components, by symbolic differentiation, shape (d, d), no unit.
 
     GridFunctions in u are differentiated in each element.  Raises ProblemError for what has no symbolic derivative.
+
+    >>> from ngsolve import y
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> mesh = RectangleMesh(1)
+    >>> ExactStrain(CF((y, 0)))(mesh(0.3, 0.4))
+    (0.0, 0.5, 0.5, 0.0)
     """
     d = u.dim
     slopes = [Derivative(u, j, "the displacement") for j in range(d)]
@@ -61,14 +71,29 @@ def ExactStrain(u: Any) -> Any:
 
 @ByKeyword
 def BodyForce(material: Any, u: Any) -> Any:
-    """f_1 = -div C eps(u) [stress/length], for constant or varying C; ProblemError if u or C has no symbolic derivative."""
+    """f_1 = -div C eps(u) [stress/length], for constant or varying C; ProblemError if u or C has no symbolic derivative.
+
+    >>> from ngsolve import x
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> mesh = RectangleMesh(1)
+    >>> BodyForce(HookeMaterial(mu=1, lam=0), CF((x**2, 0)))(mesh(0.3, 0.4))[0]
+    -4.0
+    """
     stress = material.Stress(ExactStrain(u))
     return CF(tuple(-sum(Derivative(stress[i, j], j, "the stress") for j in range(u.dim)) for i in range(u.dim)))
 
 
 @ByKeyword
 def Traction(material: Any, u: Any) -> Any:
-    """sigma(u) n on the boundary [stress]."""
+    """sigma(u) n on the boundary [stress].
+
+    >>> from ngsolve import Integrate, x
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> mesh = RectangleMesh(1)
+    >>> pulled = Traction(HookeMaterial(mu=1, lam=0), CF((x, 0)))
+    >>> round(Integrate(pulled[0], mesh, definedon=mesh.Boundaries("right")), 12)
+    2.0
+    """
     return material.Stress(ExactStrain(u)) * specialcf.normal(u.dim)
 
 
@@ -79,7 +104,13 @@ def _Plane(ut: Any, un: Any, dim: int) -> Any:
 
 @ByKeyword
 def CheckDimension(dim: int) -> None:
-    """Raise ProblemError unless dim is 2 or 3."""
+    """Raise ProblemError unless dim is 2 or 3.
+
+    >>> CheckDimension(4)
+    Traceback (most recent call last):
+    ...
+    ngdgc.exceptions.ProblemError: dim is 4; choose 2 or 3
+    """
     if not Among(dim, (2, 3)):
         raise ProblemError(f"dim is {dim!r}; choose 2 or 3")
 
@@ -124,7 +155,11 @@ def AffinePatch(zone: str, *, material: HookeMaterial | None = None, stiffness: 
 
 @ByKeyword
 def Recipe(material: Any, **default: Any) -> HookeMaterial:
-    """The material, or the default for None; ProblemError for another kind than a HookeMaterial."""
+    """The material, or the default for None; ProblemError for another kind than a HookeMaterial.
+
+    >>> Recipe(None, mu=1, lam=2).lam
+    2.0
+    """
     if not isinstance(material, (HookeMaterial, type(None))):
         raise ProblemError(f"material is {material!r}; give a HookeMaterial, whose mu and lam the recipe needs")
     return HookeMaterial(**default) if material is None else material

@@ -79,6 +79,9 @@ class SolveInterrupted(KeyboardInterrupt):
     """Ctrl-C during an iteration; `solution` is the last iterate, in copies as in those of NotConvergedError.
 
     states : of `SolveHistory` the LoadHistory of the states before, else None
+
+    >>> issubclass(SolveInterrupted, KeyboardInterrupt)
+    True
     """
 
     def __init__(self, solution: Any, *, states: Any = None) -> None:

@@ -127,7 +127,14 @@ def RigidLimit(*, stiffness: float, load: float = 5.0, opening: float = 0.02, co
 
 @ByKeyword
 def Positive(distance: Any, power: int) -> Any:
-    """(distance)_+^power, an integer power of the positive part that NGSolve differentiates piece by piece."""
+    """(distance)_+^power, an integer power of the positive part that NGSolve differentiates piece by piece.
+
+    >>> from ngsolve import x
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> mesh = RectangleMesh(1)
+    >>> [Positive(x - 0.5, 2)(mesh(point, 0.1)) for point in (0.3, 1.0)]
+    [0.0, 0.25]
+    """
     distance, power = CF(Scalar(distance, "distance")), Integer(power, "power", "give an integer of at least 0", least=0)
     return IfPos(distance, distance ** power, 0)
 

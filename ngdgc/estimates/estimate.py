@@ -30,6 +30,13 @@ class ErrorEstimate:
     bound : an upper bound, or None where theory has none;  reason : what it holds for, or why there is none; both are computed
         when they are asked for, which may take as long as the solution
     Theory : () -> (bound, reason)
+
+    >>> from ngdgc import EstimateError
+    >>> from ngdgc.cases import example_4_2
+    >>> solution = example_4_2.Main(n=4)
+    >>> estimate = EstimateError(solution)
+    >>> bool(abs(np.sqrt(estimate.indicators.sum()) / estimate.value - 1) < 1e-12), sorted(estimate.parts)[:2]
+    (True, ['data', 'feasibility'])
     """
 
     value: float

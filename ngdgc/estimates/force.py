@@ -30,6 +30,13 @@ class ForceEstimate:
     shares : {key: (elements, m)}, summands of the errors
     relative : the largest error over the largest value (length of the vector), the larger one if there are several kinds
     indicators : (elements,) sums of the absolute shares, in the same units: their sum is at least `relative`
+
+    >>> from ngdgc import EstimateForce
+    >>> from ngdgc.cases import example_4_2
+    >>> solution = example_4_2.Main(n=4)
+    >>> force = EstimateForce(solution)
+    >>> bool(np.all(force.corrected["bottom"] == force.value["bottom"] + force.error["bottom"]))
+    True
     """
 
     value: Mapping[Hashable, Array]

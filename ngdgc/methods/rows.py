@@ -33,6 +33,9 @@ class PenalisedRow(DiscontinuousGalerkin):
     singular : True admits liftorder=0 for r_e, to look at a singular matrix; no such problem is solved
 
     Rows: `stabilisation`, "jump" for the jump penalty and "lifting" for eta C r_e[u]:r_e[v].
+
+    >>> isinstance(InteriorPenalty(penalty=30), PenalisedRow), InteriorPenalty(penalty=30).penalty
+    (True, 30)
     """
 
     penalty: Any = "auto"

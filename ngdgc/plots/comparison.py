@@ -40,6 +40,10 @@ def ComparisonFigure(solutions: Mapping[str, ContactSolution], *, scale: float |
     scale : of the displacement in the deformed bodies, 1 is real, "auto" the smallest that is right for one of them
 
     Raises ProblemError if there is no solution, or if dimension or foundations differ.
+
+    >>> from ngdgc import LDG, Conforming
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = ComparisonFigure({str(method): example_4_2.Main(method=method, n=4) for method in (LDG(), Conforming())})
     """
     if not isinstance(solutions, dict) or not solutions:
         raise ProblemError(f"solutions is {solutions!r}; give a dictionary of ContactSolutions by their labels, "

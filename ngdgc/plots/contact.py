@@ -30,6 +30,9 @@ def ContactFigure(solution: ContactSolution, *, slip: bool = False) -> Figure:
 
     s is the arc length along Gamma_C in the direction of the tangent (-n_y, n_x), the body on the left; tangential components
     are positive in this direction.  Markers are the quadrature points.  In 3D maps of pressure, friction and zones.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = ContactFigure(example_4_2.Main(n=4))
     """
     CheckSolution(solution)
     disc, contact = solution.disc, solution.disc.contact

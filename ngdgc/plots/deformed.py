@@ -34,6 +34,9 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
     Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
     beyond Gamma_C, as far as the body has slid; a joint is a red line where it was.  In 3D the surface of the body, without the
     foundations.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = DeformedFigure(example_4_2.Main(n=4))
     """
     CheckSolution(solution)
     scale = Magnification(solution, scale)

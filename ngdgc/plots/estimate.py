@@ -32,6 +32,9 @@ def ErrorFigure(solution: ContactSolution, *, estimate: ErrorEstimate | None = N
 
     Where all elements have the same colour the mesh suits the problem.  In 3D the elements at the surface, from below and
     beside it from above.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = ErrorFigure(example_4_2.Main(n=4))
     """
     CheckSolution(solution)
     disc, estimate = solution.disc, EstimateError(solution) if estimate is None else estimate

@@ -21,6 +21,9 @@ def HistoryFigure(solution: ContactSolution | Sequence[Step]) -> Figure:
 
     Takes a ContactSolution or its history, a list of Step.  Of a nested iteration this is the last mesh; a second panel has
     the iterations on every mesh, from the coarsest on, hatched where the mesh did not converge and the next began from rest.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = HistoryFigure(example_4_2.Main(n=4))
     """
     history: Any = getattr(solution, "history", solution)
     levels: Sequence[Level] = getattr(solution, "levels", [])

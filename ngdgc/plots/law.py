@@ -38,6 +38,9 @@ def LawFigure(solution: ContactSolution) -> Figure:
     (-n_y, n_x) in 2D, along t_t + gamma u_t in 3D, so that friction in a wrong direction shows there too; points without a
     bound are left out if they obey the law.  A point further than 1e-6 from its law (`graph.Distance`, no unit) is crossed,
     counted in the title, and tied to a point of its own graph: no band hides it.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = LawFigure(example_4_2.Main(n=4))
     """
     CheckSolution(solution)
     contact, displacement, traction = solution.disc.contact, solution.displacement, solution.traction

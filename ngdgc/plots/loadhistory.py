@@ -25,6 +25,15 @@ def LoadHistoryFigure(history: LoadHistory, *, against: Any = None) -> Figure:
 
     Left the components of the force of every foundation [stress length^(d-1)]; right work, energy and dissipation over time
     [stress length^d], and their balance.  Raises ProblemError for anything but a LoadHistory, and values of another number.
+
+    >>> from ngsolve import Parameter
+    >>> from ngdgc import *
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> t = Parameter(0)
+    >>> problem = ContactProblem(HookeMaterial(E=10, nu=0.3), Foundation("bottom", NormalCompliance(5)),
+    ...                          dirichlet={"top": (0, -0.1 * t)})
+    >>> history = SolveHistory(Discretization(problem, LDG(), RectangleMesh(2)), parameter=t, times=[0, 0.5, 1])
+    >>> figure = LoadHistoryFigure(history)
     """
     if not isinstance(history, LoadHistory) or not len(history):
         raise ProblemError(f"history is {history!r}; give a LoadHistory with states, which SolveHistory returns")

@@ -38,6 +38,9 @@ def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None)
     prescribed displacements.
 
     view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
+
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = SettingFigure(example_4_2.Main(n=4).disc)
     """
     if not isinstance(disc, DiscreteProblem):
         raise ProblemError(f"disc is {disc!r}; give a Discretization, that of a solution is solution.disc")

@@ -23,6 +23,11 @@ def ConvergenceFigure(series: Any) -> Figure:
     """Errors of `convergence.Series` against h = 1/n, double logarithmic, with triangles of the slopes k and k + 1.
 
     Edge forms are drawn solid with open markers, lifting forms dashed with small filled ones, which fit into the open ones.
+
+    >>> from ngdgc import LDG
+    >>> from ngdgc.exact import SmoothSlip
+    >>> from ngdgc.studies import convergence
+    >>> figure = ConvergenceFigure([convergence.Study(SmoothSlip(), LDG(), order=1, n=(2, 4))])
     """
     figure = Figure(figsize=(9, 5.2), layout="constrained")
     for axes, (norm, gain, label) in zip(figure.subplots(1, 2), NORMS):
@@ -62,7 +67,12 @@ def AccuracyFigure(series: Any) -> Figure:
 
 @ByKeyword
 def LockingFigure(sweeps: Any) -> Figure:
-    """Relative strain errors of `locking.Sweep`s against lam/mu, mu = 2, double logarithmic, one picture per order."""
+    """Relative strain errors of `locking.Sweep`s against lam/mu, mu = 2, double logarithmic, one picture per order.
+
+    >>> from ngdgc import LDG
+    >>> from ngdgc.studies import locking
+    >>> figure = LockingFigure([locking.Study(LDG(), order=1, n=2, lam=(1, 100))])
+    """
     orders = sorted({sweep.order for sweep in sweeps})
     figure = Figure(figsize=(4.5 * max(len(orders), 1.3), 4.6), layout="constrained")
     for axes, order in zip(figure.subplots(1, len(orders), squeeze=False, sharey=True)[0], orders):

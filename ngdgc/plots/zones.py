@@ -33,6 +33,9 @@ def ZonesFigure(solution: ContactSolution) -> Figure:
     normals, one tooth at each contact point; its largest value is written down.  3D: a map of the zones and one of the pressure
     for each foundation, seen along its mean normal; a point stands for the part of its face that is nearest to it.  The legend
     has the length or area of every zone.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> figure = ZonesFigure(example_4_2.Main(n=4))
     """
     CheckSolution(solution)
     if solution.disc.mesh.dim == 3:

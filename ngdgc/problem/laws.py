@@ -45,6 +45,14 @@ class ComplianceLaw:
     """Normal compliance -sigma_n = p_n(r), r = u_n - g the penetration [length], p_n >= 0 [stress].
 
     `Pressure(r)` and `PressureDerivative(r)` map arrays (npoints,) to arrays (npoints,); p_n(r) = 0 for r <= 0.
+
+    >>> class Linear(ComplianceLaw):
+    ...     def Pressure(self, r):
+    ...         return 3.0 * np.maximum(r, 0)
+    ...     def PressureDerivative(self, r):
+    ...         return 3.0 * (r > 0)
+    >>> Linear().Pressure(np.array([-1, 2]))
+    array([0., 6.])
     """
 
     def __init__(self) -> None:
@@ -72,6 +80,14 @@ class FrictionLaw:
     `Bound` [stress] maps arrays (npoints,) to an array (npoints,).  Two more methods may be given:
     `BoundDerivatives(r, p)`, the pair of its derivatives by r and p (finite differences otherwise), and `Coefficient(s)`, the
     pair of a factor >= 0 [1] and its derivative [1/length], which is (1, 0) otherwise.
+
+    >>> class Adhesion(FrictionLaw):
+    ...     def Bound(self, r, p):
+    ...         return 1 + 0.3 * p
+    ...     def BoundDerivatives(self, r, p):
+    ...         return 0 * r, 0.3 + 0 * p
+    >>> Adhesion().Bound(np.array([0.1]), np.array([10.]))
+    array([4.])
     """
 
     def __init__(self) -> None:

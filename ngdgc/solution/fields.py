@@ -109,6 +109,11 @@ def SpatialStress(solution: Any) -> Any:
 
     In 2D the out-of-plane component is that of the material: lam tr(eps) in plane strain, 0 in plane stress, and 0 for an
     AnisotropicMaterial, whose plane matrix does not tell.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> solution = example_4_2.Main(n=4)
+    >>> SpatialStress(solution)(solution.disc.mesh(0.5, 0.5))[2::3]
+    (0.0, 0.0, 0.0)
     """
     stress, material = solution.stress, solution.disc.problem.material
     if solution.disc.mesh.dim == 3:
@@ -120,5 +125,11 @@ def SpatialStress(solution: Any) -> Any:
 
 @ByKeyword
 def VonMises(stress: Any) -> Any:
-    """sqrt(3/2 s:s) with the deviator s = sigma - tr(sigma)/3 I, for sigma of shape (3, 3) [stress]."""
+    """sqrt(3/2 s:s) with the deviator s = sigma - tr(sigma)/3 I, for sigma of shape (3, 3) [stress].
+
+    >>> from ngsolve import CF, Mesh, unit_square
+    >>> mesh = Mesh(unit_square.GenerateMesh(maxh=1))
+    >>> round(VonMises(CF((3, 0, 0, 0, 0, 0, 0, 0, 0), dims=(3, 3)))(mesh(0.5, 0.5)), 12)
+    3.0
+    """
     return sqrt(1.5 * InnerProduct(stress, stress) - 0.5 * Trace(stress)**2)

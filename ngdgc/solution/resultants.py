@@ -37,6 +37,11 @@ class Resultant:
         "bodyforce", or "added" for the user's own forms
     integrated : (force, moment) of int C eps(u_h) n over the region where it differs from the reported value, the strongly
         imposed displacements of H1; None elsewhere
+
+    >>> from ngdgc.cases import example_4_2
+    >>> solution = example_4_2.Main(n=4)
+    >>> [resultant.kind for resultant in solution.Resultants()]
+    ['dirichlet', 'traction', 'foundation']
     """
 
     kind: str

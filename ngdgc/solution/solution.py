@@ -45,6 +45,11 @@ class ContactSolution(Quantities):
 
     Contact quantities are arrays over the n quadrature points of Gamma_C, whose `points` (n, d), `normals` (n, d) and `weights`
     (n,) come with them; the normals are those along which the law acts, outward or a foundation's own.
+
+    >>> from ngdgc.cases import example_4_2
+    >>> solution = example_4_2.Main(n=4)
+    >>> solution.pressure.shape == solution.weights.shape
+    True
     """
 
     def __init__(self, disc: Any, vector: Any, traction: Any, *, history: Iterable[Step] = (), converged: bool = True,

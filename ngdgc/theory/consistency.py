@@ -55,6 +55,14 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
         int C eps(u):eps_h(v) - <v+ - v-, {C eps(u)} n>        edge form,    in the lifting form with P_Q C eps(u),
 
     minus the body force, tractions of loads and springs, and sigma(u) n on Gamma_C.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> exact = AffinePatch("slip")
+    >>> disc = Discretization(exact.problem, LDG(), RectangleMesh(2))
+    >>> bool(abs(ConsistencyVector(disc, exact.displacement)).max() < 1e-8)
+    True
     """
     problem, mesh, n = disc.problem, disc.mesh, specialcf.normal(disc.mesh.dim)
     if problem.joints:

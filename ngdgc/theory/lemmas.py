@@ -38,7 +38,15 @@ def _TensorJumps(w: Any, s: Any, n: Any) -> Any:
 
 @ByKeyword
 def NormMatrix(disc: Discretization) -> Any:
-    """NGSolve's matrix of |||.||| on V_h, from its definition above."""
+    """NGSolve's matrix of |||.||| on V_h, from its definition above.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> disc = Discretization(AffinePatch("slip").problem, LDG(), RectangleMesh(2))
+    >>> NormMatrix(disc).height == disc.space.ndof
+    True
+    """
     CheckSkeleton(disc.facets)
     problem, mesh, facets, n = disc.problem, disc.mesh, disc.facets, specialcf.normal(disc.mesh.dim)
     points = VolumePoints(mesh, 2 * disc.order)
@@ -106,6 +114,13 @@ def Boundedness(disc: Discretization) -> float:
     B' N^-1 B x = C^2 N x.
 
     Raises ProblemError for a body that only its foundation holds.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> disc = Discretization(AffinePatch("slip").problem, LDG(), RectangleMesh(2))
+    >>> Boundedness(disc) > 1
+    True
     """
     matrix, norm, inverse = _Pencil(disc)
     transposed = matrix.T.tocsr()
@@ -117,6 +132,13 @@ def DualNorm(disc: Discretization, functional: Array) -> float:
     """sup F(v)/|||v||| over V_h of F given by its coefficients (ndof,), that is sqrt(F' N^-1 F) [sqrt(stress length^d)].
 
     F [stress length^d per length of v].  Raises ProblemError for a body that only its foundation holds.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> disc = Discretization(AffinePatch("slip").problem, LDG(), RectangleMesh(2))
+    >>> DualNorm(disc, np.zeros(disc.space.ndof))
+    0.0
     """
     _CheckHeld(disc)
     functional = Vectors(functional, (disc.space.ndof,), "functional", f"give its {disc.space.ndof} coefficients")
@@ -133,6 +155,9 @@ class LiftingBounds:
     """Constants of Lemma 3.2 over the facets of E0, each an array (facets of E0,); no unit.
 
     `lower` and `upper`: the extreme values of |r_e([v])|_0/|h_e^-1/2 [v]|_{0,e} on each facet;  `c`, `C`: over all of them.
+
+    >>> LiftingBounds(lower=np.array([0.5]), upper=np.array([2.0])).upper
+    array([2.])
     """
 
     lower: np.ndarray
@@ -156,6 +181,14 @@ def LiftingConstants(disc: Discretization, *, order: int | None = None) -> Lifti
     One small eigenvalue problem a facet, on the space of its jumps.  c = 0 where the lifting does not see every jump, as
     for l = 0 with k >= 1: the reason why l = 0 makes the methods of Bassi et al. and Brezzi et al. singular.  The jumps
     are those of F_h.  Raises ProblemError for the conforming method and for l < 0.
+
+    >>> from ngdgc import *
+    >>> from ngdgc.exact import AffinePatch
+    >>> from ngdgc.meshes import RectangleMesh
+    >>> disc = Discretization(AffinePatch("slip").problem, LDG(), RectangleMesh(2))
+    >>> bounds = LiftingConstants(disc)
+    >>> bool(np.all(bounds.lower <= bounds.upper))
+    True
     """
     blocks = Lifting(disc, order=order).operators.blocks
     lower, upper = [], []

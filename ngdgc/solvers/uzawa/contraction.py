@@ -27,6 +27,9 @@ class Contraction:
         contracts if normal + friction < 1.
 
     S is the compliance operator of Gamma_C, traction -> displacement; S_nn and S_tt are its normal and tangential blocks.
+
+    >>> Contraction(normal=0.13, friction=0.78).normal
+    0.13
     """
 
     normal: float

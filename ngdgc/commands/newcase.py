@@ -33,10 +33,14 @@ UNITS = ("mm", "MPa")       # of all numbers below; they say what axes and repor
 def Mesh(n=16):
     """n: cells along a side, from --n."""
     return RectangleMesh(n, lower=(0, 0), upper=(20, 10))
-    # A file of Gmsh, Abaqus or Netgen, whose groups are the regions (`ngdgc mesh part.msh` lists them):
-    #   return ngdgc.meshes.ReadMesh("part.msh")
+    # A file of Gmsh, Abaqus or Netgen beside this one, whose groups are the regions (`ngdgc mesh part.msh` lists them):
+    #   from pathlib import Path
+    #   from ngdgc.meshes import ReadMesh
+    #   return ReadMesh(Path(__file__).with_name("part.msh"))
     # A shape of netgen.occ, or of a STEP file, whose edges or faces have names:
-    #   return ngdgc.meshes.ShapeMesh(OCCGeometry("part.step").shape, maxh=20 / n, order=2)
+    #   from netgen.occ import OCCGeometry
+    #   from ngdgc.meshes import ShapeMesh
+    #   return ShapeMesh(OCCGeometry("part.step").shape, maxh=20 / n, order=2)
 
 
 def Problem():

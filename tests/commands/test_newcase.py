@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from bodies import Layers, Perforated, Pyramids
+from netgen.occ import WorkPlane
 from ngsolve import Mesh
 
 from ngdgc.cases import step_part
@@ -139,3 +140,30 @@ def test_a_step_file_is_meshed(tmp_path, capsys):
     assert "geometry of order 2" in shown and (tmp_path / "mesh.png").stat().st_size > 5000
     area = float(re.search(r"bore +\d+ +([\d.]+)", shown)[1])
     assert area == pytest.approx(2 * np.pi * 14 * 30, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_what_the_template_leaves_out_can_be_taken_in(tmp_path, capsys, monkeypatch):
+    """Every line of data that is a comment, one after the other, and meshes from a file or a shape in place of its own."""
+    monkeypatch.chdir(tmp_path)
+    assert Main(["new", "block.py"]) == 0
+    text = Path("block.py").read_text()
+    lines = re.findall(r"^        # (\w+)=", text, re.M)
+    assert lines == ["roller", "traction", "force", "bodyforce"]
+    for name in lines:
+        Path("other.py").write_text(text.replace(f"        # {name}=", f"        {name}="))
+        assert Main(["check", "other.py", "--n", "4"]) == 0
+        assert re.search(rf"^{name} ", capsys.readouterr().out, re.M)
+    RectangleMesh(2, upper=(20, 10), cells="quad").ngmesh.Save("part.vol")
+    plate = WorkPlane().Rectangle(20, 10).Face()
+    for edge, name in zip(plate.edges, ("bottom", "right", "top", "left")):
+        edge.name = name
+    plate.WriteStep("part.step")
+    own = text.index("    return RectangleMesh")
+    for begin, words in (("    #   from pathlib", "4 quadrilaterals"), ("    #   from netgen", "triangles")):
+        start = text.index(begin)
+        block = text[start:text.index("\n\n", start)].split("    # A ")[0].replace("    #   ", "    ")
+        rest = "\n\n" + text[text.index("def Problem"):]
+        Path("other.py").write_text(text[:own] + block.replace("part.msh", "part.vol") + rest)
+        assert Main(["check", "other.py", "--n", "4"]) == 0
+        assert words in capsys.readouterr().out

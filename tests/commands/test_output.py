@@ -10,11 +10,14 @@ from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from ngdgc import SolveInterrupted, UzawaSolver
 from ngdgc.commands import output
 from ngdgc.cases import example_4_1
 from ngdgc.commands.output import EVERY, FIRST, Progress
+from ngdgc.plots import ContactFigure, SettingFigure
 from ngdgc.solution.history import Level, Prediction, Step
 
 NUMBER = re.compile(r"iteration +(\d+) ")
@@ -232,3 +235,29 @@ def test_coarser_meshes_show_that_they_go_on():
     assert lines[last].startswith("iteration     1 ")
     again = example_4_1.Main(n=32, callback=steps.append)
     assert steps == again.history and not any(isinstance(step, Prediction) for step in steps)
+
+
+def test_a_log_has_the_last_iteration_on_every_mesh(tmp_path):
+    """Of coarser ones too, on which predictions count from one again; one that was shown is not shown twice."""
+    stream = io.StringIO()
+    progress = Progress(stream)
+    for count in (4, 1, 3):
+        Follow(progress, Steps(count))
+    progress.Close()
+    assert Shown(stream.getvalue()) == [1, 4, 1, 1, 3]
+
+
+def test_figures_of_a_run_are_laid_out_once(tmp_path, monkeypatch):
+    """And drawn once: a figure that is placed when it is made has no layout engine any more when it is written."""
+    solution, drawn = example_4_1.Main(n=2), []
+    monkeypatch.setattr(Figure, "draw", lambda self, renderer, draw=Figure.draw: (drawn.append(self), draw(self, renderer))[1])
+    monkeypatch.setattr(ConstrainedLayoutEngine, "execute", lambda self, figure, execute=ConstrainedLayoutEngine.execute: (
+        laid.append(figure), execute(self, figure))[1])
+    laid = []
+    output.DrawInto(lambda: SettingFigure(solution.disc), tmp_path / "a.png")
+    assert len(drawn) == 1 and len(laid) == 3
+    laid.clear()
+    output.DrawInto(lambda: ContactFigure(solution), tmp_path / "b.png")
+    assert len(drawn) == 2 and len(laid) == 1
+    with open(tmp_path / "b.png", "rb") as file:
+        assert file.read(4) == b"\x89PNG"

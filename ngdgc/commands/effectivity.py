@@ -25,10 +25,11 @@ def AddEffectivity(commands: Commands) -> None:
 def Effectivity(options: Namespace) -> int:
     """Estimate, compare, write."""
     from ..studies import effectivity as study
+    from ..studies.savings import Saving, Savings
 
     exact: list[study.Estimated] = []
     random: list[study.Estimated] = []
-    savings: list[study.Saving] = []
+    savings: list[Saving] = []
     with Files(options.out, "effectivity.txt") as files, Page(options.page) as page:
         try:
             for row in study.Exacts(callback=Show):
@@ -36,7 +37,7 @@ def Effectivity(options: Namespace) -> int:
             for dim, count in ((2, options.count), (3, options.solids)):
                 for row in study.Randoms(options.seed, count, dim=dim, callback=Show):
                     random.append(row)
-            for saving in study.Savings(callback=Show):
+            for saving in Savings(callback=Show):
                 savings.append(saving)
         finally:
             if exact:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -28,7 +28,6 @@ MOST = 2_000_000    # unknowns
 FULL = 1e-10        # law residual of what is returned
 LOOSE = 1e-4        # largest law residual on the way
 BALANCE = 1e-2      # law residual on the way, in units of the relative error that is expected there
-SURE = 1.5          # a mesh on which an error of so many times tol is expected will not be the last
 REDUCTION = 0.5     # of the error by a refinement, before there is experience
 WINDOW = 5          # refinements that must reduce the error
 STALLED = 0.95      # by this factor at least
@@ -129,10 +128,11 @@ class _Run:
             start = Transfer(solution, disc.contact)
             found, _ = FromPrediction(SemismoothNewtonSolver(tol=tol), disc, start, self.callback)
             reached = self._Measured(found, before, begin)
-            if reached.measured.error <= self.tol and tol > self.law:      # sooner than expected
+            if reached.measured.error <= self.tol and tol > self.law:      # the last mesh
+                steps = found.history
                 found = SemismoothNewtonSolver(tol=self.law).Solve(disc, start=(found.displacement, found.traction),
                                                                callback=self.callback)
-                reached = self._Measured(found, before, begin)
+                reached = self._Measured(found, before, begin, steps)
             return reached
         except KeyboardInterrupt as stop:
             raise SolveInterrupted(solution) from stop
@@ -152,11 +152,12 @@ class _Run:
                                "order or a larger tol")
         return disc
 
-    def _Measured(self, found: ContactSolution, before: _Reached | None, begin: float) -> _Reached:
-        """What was found on a mesh with its estimate, and with what the meshes before took."""
+    def _Measured(self, found: ContactSolution, before: _Reached | None, begin: float, steps: Sequence[Step] = ()) -> _Reached:
+        """What was found on a mesh, after these steps and its own, with its estimate, and with what the meshes before took."""
         measured = self.Measure(found)
-        level = replace(LevelOf(found.disc, found.history, time.perf_counter() - begin, True), error=measured.error)
-        solution = ContactSolution(found.disc, found.vector, found.traction, history=found.history, solver=self.words,
+        history = [*steps, *(replace(step, number=step.number + len(steps)) for step in found.history)]
+        level = replace(LevelOf(found.disc, history, time.perf_counter() - begin, True), error=measured.error)
+        solution = ContactSolution(found.disc, found.vector, found.traction, history=history, solver=self.words,
                                    levels=[*(before.solution.levels if before else []), level])
         solution.estimate = measured.estimate
         solution.earlier = [*before.solution.earlier, before.solution] if before else []
@@ -164,10 +165,10 @@ class _Run:
         return _Reached(solution, measured, [*(before.sums if before else []), total])
 
     def _LawTolerance(self, levels: list[Level]) -> float:
-        """Of the law residual on the next mesh: no digit that the mesh does not carry, but all if it may be the last one."""
+        """Of the law residual on the next mesh: no digit that the mesh does not carry."""
         errors = [level.error or 0.0 for level in levels]
         expected = errors[-1] * (errors[-1] / errors[-2] if len(errors) > 1 else REDUCTION)
-        return max(min(BALANCE * expected, LOOSE), self.law) if expected > SURE * self.tol else self.law
+        return max(min(BALANCE * max(expected, self.tol), LOOSE), self.law)
 
 
 def _CheckProgress(sums: list[float]) -> None:

@@ -11,8 +11,9 @@ from ngdgc.errors import EnergyError
 from ngdgc.exact import SmoothSlip
 from ngdgc.meshes import RectangleMesh
 from ngdgc.studies import effectivity
-from ngdgc.studies.effectivity import Difference, Estimated, Randoms, Saving
+from ngdgc.studies.effectivity import Difference, Estimated, Randoms
 from ngdgc.studies.samples import Draw
+from ngdgc.studies.savings import Saving
 
 
 @pytest.fixture(scope="module")
@@ -50,11 +51,6 @@ def test_rows_say_which_problem_they_are_of(rows):
         assert row.stiffness == sample.stiffness and sample.method.discontinuous and sample.mesh.args[1] != "cad"
         mine, theirs = ([one for one in text.split() if one[:2] not in ("n=", "k=")] for text in (words, sample.words))
         assert mine == theirs and f"n={effectivity.SIZES[2]}" in words.split()
-
-
-def test_orders_are_of_unknowns_in_the_plane():
-    """Errors that fall as N^(-p/2)."""
-    assert effectivity._Rate([(n, 7 * n ** -1.5) for n in (10, 40, 300, 1000)]) == pytest.approx(3, rel=1e-9)
 
 
 def test_farthest_rows_are_listed():

@@ -36,6 +36,7 @@ SIZES = {2: 6, 3: 3}            # cells per side of the mesh whose error is esti
 ORDERS = {2: 3, 3: 2}           # largest order there
 COARSE = {2: (4, "triangle", 4, 8000), 3: (2, "tet", 3, 20000)}     # of the reference: n, cells, order, unknowns
 FINER = 0.05                    # relative error of the reference in units of the estimated one
+PLANE, SOLID = ("triangle", "quad"), ("tet", "hex", "prism")
 METHODS = (InteriorPenalty(), LDG(), BassiEtAl(form="lifting"))
 
 
@@ -75,8 +76,9 @@ def Exacts(*, callback: Callable[[str], object] | None = None) -> Iterator[Estim
     callback : called with a line of progress before each solve
     """
     problems: list[tuple[str, Exact, Sequence[str]]] = [
-        ("smooth slip", SmoothSlip(), ("triangle", "quad")), ("nu = 0.4999", SmoothSlip(mu=2, lam=9998), ("triangle",)),
-        ("three zones", ThreeZones(), ("triangle", "quad")), ("smooth slip", SmoothSlip(dim=3), ("tet", "hex", "prism"))]
+        ("smooth slip", SmoothSlip(), PLANE), ("nu = 0.4999", SmoothSlip(mu=2, lam=9998), PLANE),
+        ("three zones", ThreeZones(), PLANE), ("smooth slip", SmoothSlip(dim=3), SOLID),
+        ("nu = 0.4999", SmoothSlip(dim=3, mu=2, lam=9998), SOLID)]
     for name, exact, shapes in problems:
         for cells in shapes:
             for method in METHODS:

@@ -21,7 +21,7 @@ from ..mesh.pieces import Pieces
 from ..problem.problem import ContactProblem
 from .directions import LawNormals, Unit
 from .parts import CheckFinite, ContactPart, OverParts
-from .sides import Sides
+from .sides import Faces
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
 CORNER = 0.7        # cosine of the angle between normals from which on neighbours form a smooth boundary
@@ -60,7 +60,7 @@ class ContactBoundary:
     def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any,
                  pieces: Pieces | None = None) -> None:
         # Over the quadrature points of all foundations, which are the pairs; then over the n contact points.
-        sides = [Sides(facets, foundation, rules, pieces) for foundation in problem.foundation]
+        sides = [Faces(facets, foundation, rules, pieces) for foundation in problem.foundation]
         parts, joints = [first for first, *_ in sides], [len(both) > 1 for both in sides]
         points, inside, coordinates, normals, weights, self.boundaryelements = (
             np.concatenate([getattr(part, name) for part in parts])

@@ -15,7 +15,7 @@ from ..problem.foundation import Foundation
 END = 1e-9      # of the functions of vertices that are doubled, at points where both sides are one
 
 
-def Sides(facets: Facets, foundation: Foundation, rules: Any, pieces: Pieces | None = None) -> list[BoundaryQuadrature]:
+def Faces(facets: Facets, foundation: Foundation, rules: Any, pieces: Pieces | None = None) -> list[BoundaryQuadrature]:
     """The quadrature of a foundation, or of the first and of the second side of a joint, whose points are the same.
 
     rules, pieces : as for `BoundaryQuadrature.On`

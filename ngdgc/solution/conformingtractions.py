@@ -24,7 +24,7 @@ import scipy.sparse as sp
 from ngsolve import VOL, BilinearForm, ElementId, GridFunction, InnerProduct, ds, dx
 
 from ..contact.boundary import TraceMatrix
-from ..contact.sides import Sides
+from ..contact.sides import Faces
 from ..contracts import Array
 from ..data.coefficients import LOADBONUS, ForFacets, SpringPull, Unfolded
 from ..discrete.springs import SpringMatrices
@@ -163,7 +163,7 @@ def ContactTractions(solution: Any) -> Iterator[tuple[BoundaryQuadrature, Array]
     """(quadrature, what the body exerts at its points (n, d)) of every foundation, t, and of joints' sides, t and -t."""
     disc, start = solution.disc, 0
     for foundation in disc.problem.foundation:
-        sides = Sides(disc.facets, foundation, ContactRules(disc.method, disc.mesh.dim, disc.order))
+        sides = Faces(disc.facets, foundation, ContactRules(disc.method, disc.mesh.dim, disc.order))
         end = start + len(sides[0].weights)
         for sign, quadrature in zip((1, -1), sides):
             yield quadrature, sign * solution.traction[disc.contact.members[start:end]]

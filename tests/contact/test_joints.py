@@ -13,7 +13,7 @@ from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, 
                    HookeMaterial, IncompleteInteriorPenalty, InteriorPenalty, Joint, NonsymmetricInteriorPenalty,
                    NormalCompliance, ProblemError, SemismoothNewtonSolver, Solve, TrescaFriction, UzawaSolver)
 from ngdgc.contact.graph import ZONES
-from ngdgc.contact.sides import Sides
+from ngdgc.contact.sides import Faces
 from ngdgc.linear.multigrid import StrongNeighbours
 from ngdgc.mesh.doubling import Doubled
 from ngdgc.mesh.facets import Csr, Facets, Free
@@ -283,10 +283,10 @@ def test_nodes_are_doubled_between_the_ends_of_a_joint(mesh, vertices):
     # Its ends, which do not open, are no contact points.
     problem = ContactProblem(HookeMaterial(E=1, nu=NU), joint)
     assert len(Discretization(problem, Conforming(), mesh).contact.weights) == copies
-    first, second = Sides(doubled, joint, 4)
+    first, second = Faces(doubled, joint, 4)
     assert first.coordinates == pytest.approx(second.coordinates) and first.normals == pytest.approx(-second.normals)
     assert first.weights == pytest.approx(second.weights)
-    broken, beyond = Sides(facets, joint, 4)
+    broken, beyond = Faces(facets, joint, 4)
     assert first.elements.tolist() == broken.elements.tolist() and second.elements.tolist() == beyond.elements.tolist()
 
 

@@ -86,8 +86,10 @@ class SolveInterrupted(KeyboardInterrupt):
 
     def __init__(self, solution: Any, *, states: Any = None) -> None:
         _CheckHistory(solution)
-        super().__init__(f"interrupted after {len(solution.history)} iterations; the last iterate is its attribute solution"
-                         if states is None else f"interrupted after {len(states)} states; they are its attribute states")
+        count = len(states) if states is not None else 0
+        words = {0: f"{len(solution.history)} iterations; the last iterate is its attribute solution",
+                 1: "1 state; it is in its attribute states"}
+        super().__init__(f"interrupted after {words.get(count, f'{count} states; they are its attribute states')}")
         self.solution, self.states = solution, states
 
     def __reduce__(self) -> tuple[Any, ...]:

@@ -87,6 +87,8 @@ def _AddSweep(commands: Commands) -> None:
     sweep.add_argument("--count", type=Positive, default=500, help="number of problems (default 500)")
     sweep.add_argument("--seed", type=Positive, default=1, help="seed of the random numbers (default 1)")
     sweep.add_argument("--dofs", type=Positive, default=150_000, help="largest number of unknowns, about (default 150000)")
+    sweep.add_argument("--histories", action="store_true", help="lead every problem along ten random loads "
+                       "(histories.jsonl, histories.txt)")
     sweep.add_argument("--out", default="results", help="folder for results, tally and figure (default results/)")
     sweep.set_defaults(command=RandomSweep)
 
@@ -260,9 +262,11 @@ def Table3(options: Namespace) -> int:
 
 
 def RandomSweep(options: Namespace) -> int:
-    """Random problems."""
+    """Random problems, or histories."""
     from ..studies.sweep import Samples
 
+    if options.histories:
+        return _Lead(options)
     title = f"sweep, seed {options.seed}, {options.count} problems"
     return _Solve("sweep", title, Samples(options.seed, options.count, dofs=options.dofs), options.count, options.out)
 
@@ -275,6 +279,24 @@ def ParameterGrid(options: Namespace) -> int:
     samples = Grid(options.geometry, everything=options.all)
     return _Solve("grid", f"grid, {len(samples)} problems", samples, len(samples), options.out,
                   fromzero=SemismoothNewtonSolver())
+
+
+def _Lead(options: Namespace) -> int:
+    """Random histories; 1 if one failed."""
+    from ..studies.paths import PathLine, Paths, PathTally
+
+    title = f"histories, seed {options.seed}, {options.count} problems"
+    with Files(options.out, "histories.jsonl", "histories.txt") as files:
+        print(title, flush=True)
+        with files.Growing("histories.jsonl") as file:
+            records = Paths(options.seed, options.count, file, dofs=options.dofs,
+                            callback=lambda record: Show(PathLine(record)))
+        if records:
+            Write(files, "histories", f"{title}\n{PathTally(records)}", dict)
+    if len(records) < options.count:
+        Show(f"ngdgc: {SIGNALS.words}")
+        return SIGNALS.code
+    return int(any(record.failed for record in records))
 
 
 def _Solve(name: str, title: str, samples: Iterable[tuple[int, Sample]], count: int, out: str, **options: Any) -> int:

@@ -45,8 +45,8 @@ def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
     start : a LoadHistory that this one goes on from; the states are the new ones, work and dissipation go on
 
     An increment on which Newton's method fails is halved, up to 64 parts.  Raises ProblemError for data that are none;
-    NotConvergedError if the smallest part fails, and SolveInterrupted on Ctrl-C after the first state: `states` is the
-    LoadHistory up to there.
+    NotConvergedError if the smallest part fails, and SolveInterrupted on Ctrl-C when there is a state or an iterate of the first
+    one: `states` is the LoadHistory up to there.
 
     >>> from ngsolve import CF, Parameter
     >>> from ngdgc import *
@@ -88,6 +88,12 @@ def _Times(times: Any, start: LoadHistory | None) -> list[float]:
     return found
 
 
+def _Kept(count: int) -> str:
+    """What a failure says of the states before."""
+    words = {0: "it is the first state", 1: "the state before is kept in `states`"}
+    return words.get(count, f"the {count} states before are kept in `states`")
+
+
 class _Run:
     """One run of `SolveHistory`."""
 
@@ -112,14 +118,15 @@ class _Run:
                     if self.callback is not None:
                         self.callback(last.increment)
         except NotConvergedError as error:
-            raise NotConvergedError(f"at time {time:g}: {error}; the {len(history)} states before are kept in `states`",
+            raise NotConvergedError(f"at time {time:g}: {error}; {_Kept(len(history))}",
                                     error.solution, error.contraction, states=history) from error
         except ProblemError as error:
             raise ProblemError(f"at time {time:g}: {error}") from error
         except KeyboardInterrupt as stop:
-            if not len(history):
+            solution = history[-1] if len(history) else getattr(stop, "solution", None)
+            if solution is None:
                 raise
-            raise SolveInterrupted(history[-1], states=history) from stop
+            raise SolveInterrupted(solution, states=history) from stop
         return history
 
     def _To(self, time: float, moment: Instant | None, last: LoadState | None) -> tuple[Instant, LoadState]:

@@ -98,7 +98,7 @@ def Violation(solution: ContactSolution) -> Array:
     contact, problem = solution.disc.contact, solution.disc.problem
     # Of the traction that was found: `pressure` and `friction` are 0 where the law is.
     p, friction = contact.Normal(solution.traction), -contact.Tangential(solution.traction)
-    r, slip = solution.penetration, solution.slip
+    r, slip = solution.penetration, contact.Tangential(contact.SinceOrigin(solution.displacement))
     slid, tscale = np.linalg.norm(slip, axis=1), np.sqrt(p ** 2 + np.sum(friction ** 2, axis=1)).max() or 1.0
     extent = np.ptp(solution.points, axis=0).max()
     uscale = max(np.linalg.norm(solution.displacement, axis=1).max(), tscale * extent / problem.material.ShearAt(

@@ -202,6 +202,85 @@ def test_a_failure_names_the_time_and_keeps_the_states_and_the_parameter():
     assert stopped.value.solution.traction == pytest.approx(stopped.value.states[-1].traction)
 
 
+def test_an_interrupted_first_state_leaves_an_iterate_and_no_states(monkeypatch):
+    """Where the solver has an iterate; else it is a Ctrl-C as any other."""
+    t = Parameter(0)
+    disc = Block(t, n=4)
+    found = SemismoothNewtonSolver().Solve(disc)
+    for raised in (SolveInterrupted(found), KeyboardInterrupt()):
+        def Stop(solver, disc, raised=raised, **options):
+            raise raised
+
+        monkeypatch.setattr(SemismoothNewtonSolver, "Solve", Stop)
+        with pytest.raises(KeyboardInterrupt) as stopped:
+            SolveHistory(disc, parameter=t, times=[1, 2], solver=SemismoothNewtonSolver())
+        assert t.Get() == 0 and getattr(stopped.value, "solution", None) is getattr(raised, "solution", None)
+        if isinstance(raised, SolveInterrupted):
+            assert len(stopped.value.states) == 0 and "iterations" in str(stopped.value)
+
+
+@pytest.mark.parametrize("count, words", [(0, "it is the first state"), (1, "the state before is kept in `states`"),
+                                          (2, "the 2 states before are kept in `states`")])
+def test_a_failure_says_how_many_states_are_kept(count, words):
+    t = Parameter(0)
+    foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(0.3))
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction={"top": CF((t, -10))})
+    disc = Discretization(problem, InteriorPenalty(), RectangleMesh(1))
+    with pytest.raises(NotConvergedError) as failed:
+        SolveHistory(disc, parameter=t, times=[0.5, 1, 8][2 - count:])
+    assert len(failed.value.states) == count and words in str(failed.value)
+
+
+def test_a_column_on_shear_springs_has_the_loop_of_a_formula():
+    """A block dragged to a, back to -a and to a again: its shear force is that of a spring in series with a friction element.
+
+    With rollers at the sides and a top of one pressure P all is homogeneous: under a shear force per area F of springs k above,
+    the top at s moves by F/k + F/mu (height 1) until F reaches mu_c P, backwards from the reversal on, with twice the range.
+    """
+    k, shear, bound, a = 50.0, 400.0, 0.3 * 20, 0.4
+    stiffness = 1 / (1 / k + 1 / shear)
+    path = [0, a, -a, a]
+    t = Parameter(0)
+    # u_x = s - F/k at the top is what a spring to a wall moved by s does: traction k s and the spring's own -k u_x.
+    wide = Foundation("bottom", NormalCompliance(STIFFNESS), friction=CoulombFriction(0.3))
+    problem = ContactProblem(HookeMaterial(mu=shear, lam=0.0), wide, spring={"top": (k, 0)},
+                             traction={"top": CF((k * Along(t, path), -20)), "left": CF((0, -Spring(t, path, stiffness, bound))),
+                                       "right": CF((0, Spring(t, path, stiffness, bound)))})
+    times = np.linspace(0, 3, 31)[1:]
+    history = SolveHistory(Discretization(problem, InteriorPenalty(), RectangleMesh(2)), parameter=t, times=times)
+    expected = [Loop(time, path, stiffness, bound) for time in times]
+    # Force on the body against the motion; 1e-9 the tolerance of thirty increments.
+    assert np.abs(history.forces["bottom"][:, 0] + expected).max() < 1e-9 * bound
+    # Control: without memory the force has no loop.
+    assert np.abs(np.array(expected)[9] - np.clip(stiffness * np.interp(times, range(4), path), -bound, bound)[9]) < 1e-12
+    assert np.abs(np.array(expected)[19] + bound) < 1e-12 and abs(expected[14] + bound) < 1e-12 < abs(expected[11])
+
+
+def Loop(time, path, stiffness, bound):
+    """The force of a spring with a friction element in series, at a displacement that goes through `path` at 0, 1, 2, ..."""
+    force, last = 0.0, path[0]
+    for end in [*path[1:int(time) + 1], np.interp(time, range(len(path)), path)]:
+        force, last = np.clip(force + stiffness * (end - last), -bound, bound), end
+    return float(force)
+
+
+def Spring(t, path, stiffness, bound):
+    """The same as a function of t."""
+    times = sorted({*np.arange(len(path)), *Kinks(path, stiffness, bound)})
+    found = CF(Loop(times[-1], path, stiffness, bound))
+    for before, after in reversed(list(pairwise(times))):
+        a, b = (Loop(time, path, stiffness, bound) for time in (before, after))
+        found = IfPos(after - t, a + (t - before) / (after - before) * (b - a), found)
+    return found
+
+
+def Kinks(path, stiffness, bound):
+    """The times at which the element begins to slide."""
+    for number, (a, b) in enumerate(pairwise(path)):
+        begin, sign = Loop(number, path, stiffness, bound), np.sign(b - a)
+        yield number + (sign * bound - begin) / stiffness / (b - a)
+
+
 def test_no_factorisation_after_the_first_increment(monkeypatch):
     """Those of the first state and its coarser meshes, one with the stiffness of contact, and no more."""
     made = []

@@ -45,7 +45,7 @@ def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
     start : a LoadHistory that this one goes on from; the states are the new ones, work and dissipation go on
 
     An increment on which Newton's method fails is halved, up to 64 parts.  Raises ProblemError for data that are none;
-    NotConvergedError if the smallest part fails, and SolveInterrupted on Ctrl-C when there is a state or an iterate of the first
+    NotConvergedError if the smallest part fails, SolveInterrupted on Ctrl-C when there is a state or an iterate of the first
     one: `states` is the LoadHistory up to there.
 
     >>> from ngsolve import CF, Parameter

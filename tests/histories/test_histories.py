@@ -243,17 +243,16 @@ def test_a_column_on_shear_springs_has_the_loop_of_a_formula():
     t = Parameter(0)
     # u_x = s - F/k at the top is what a spring to a wall moved by s does: traction k s and the spring's own -k u_x.
     wide = Foundation("bottom", NormalCompliance(STIFFNESS), friction=CoulombFriction(0.3))
+    sides = Spring(t, path, stiffness, bound)
     problem = ContactProblem(HookeMaterial(mu=shear, lam=0.0), wide, spring={"top": (k, 0)},
-                             traction={"top": CF((k * Along(t, path), -20)), "left": CF((0, -Spring(t, path, stiffness, bound))),
-                                       "right": CF((0, Spring(t, path, stiffness, bound)))})
+                             traction={"top": CF((k * Along(t, path), -20)), "left": CF((0, -sides)), "right": CF((0, sides))})
     times = np.linspace(0, 3, 31)[1:]
     history = SolveHistory(Discretization(problem, InteriorPenalty(), RectangleMesh(2)), parameter=t, times=times)
     expected = [Loop(time, path, stiffness, bound) for time in times]
     # Force on the body against the motion; 1e-9 the tolerance of thirty increments.
     assert np.abs(history.forces["bottom"][:, 0] + expected).max() < 1e-9 * bound
-    # Control: without memory the force has no loop.
-    assert np.abs(np.array(expected)[9] - np.clip(stiffness * np.interp(times, range(4), path), -bound, bound)[9]) < 1e-12
-    assert np.abs(np.array(expected)[19] + bound) < 1e-12 and abs(expected[14] + bound) < 1e-12 < abs(expected[11])
+    # Control: at the same place on the way back the force is another one, by far.
+    assert abs(expected[4] - expected[14]) > 0.5 * bound
 
 
 def Loop(time, path, stiffness, bound):

@@ -118,8 +118,8 @@ def QuickReference(text):
 def FirstSentence(value):
     """What a docstring begins with, as a cell of a table; of NGSolve's Solve, which has none, what it does here."""
     paragraph = (inspect.getdoc(value) or "Solve an equation, or a Discretization by its default solver.").split("\n\n")[0]
-    # Not the points of "et al." and of initials.
-    sentence = re.split(r"(?<!\bal)(?<!\b[A-Z])\.\s(?=[A-Z`])", " ".join(paragraph.split()))[0].rstrip(".")
+    # Not the points of initials.
+    sentence = re.split(r"(?<!\b[A-Z])\.\s(?=[A-Z`])", " ".join(paragraph.split()))[0].rstrip(".")
     parts = sentence.split("`")
     parts[::2] = [re.sub(r"([\\*_|<>\[\]$])", r"\\\1", part) for part in parts[::2]]
     return "`".join(parts)

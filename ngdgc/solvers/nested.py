@@ -179,6 +179,7 @@ def LocalFit(points: Array, values: Array, targets: Array, normals: Array) -> Ar
     count = min(NEIGHBOURS[dim], len(points))
     distances, nearest = cKDTree(points).query(targets, k=np.arange(1, count + 1))
     size = distances.max(axis=1)
+    size[size == 0] = 1       # where joints cross several points lie in one place
     offsets = (points[nearest] - targets[:, None]) / size[:, None, None]
     offsets -= np.einsum("mkd,md->mk", offsets, normals)[..., None] * normals[:, None]
     weights = 1 / ((distances / size[:, None]) ** 2 + 1e-4)

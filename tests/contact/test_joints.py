@@ -4,7 +4,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from bodies import LINE, Crossed, Layers, Stacked
+from bodies import LINE, RING, Crossed, Layers, Stacked
 from netgen.geom2d import SplineGeometry
 from ngsolve import CF, GridFunction, Integrate, Mesh, specialcf, x, y, z
 from problems import TEN
@@ -315,6 +315,21 @@ def test_solution_on_doubled_nodes_is_saved_with_the_mesh_that_was_given(tmp_pat
     loaded = ContactSolution.Load(tmp_path / "saved", problem)
     assert loaded.vector == pytest.approx(solution.vector, abs=1e-15)
     assert loaded.Force("mid", material="soft") == pytest.approx([8, -P]) == solution.Force("mid")
+
+
+@pytest.mark.parametrize("method", [LDG(), Conforming()], ids=repr)
+@pytest.mark.parametrize("paths", [{"mid": [LINE, [(3, i) for i in range(7)]]}, {"mid": [RING]},
+                                   {"mid": [LINE], "up": [[(3, i) for i in range(4)]]}], ids=["cross", "ring", "tee"])
+def test_joints_that_cross_branch_or_close(method, paths):
+    """Also by way of order 1, whose points all lie in one place at a crossing; every part is in balance."""
+    mesh = Crossed(paths)
+    joints = [Joint(name, NormalCompliance(K), friction=CoulombFriction(0.3)) for name in paths]
+    problem = ContactProblem(HookeMaterial(E=1000, nu=NU), joints, dirichlet={"bottom": (0, 0), "top": (0.01, -0.03)})
+    solution = Solve(Discretization(problem, method, mesh, order=2), tol=1e-12)
+    assert Balanced(solution, parts=())
+    assert solution.Force("top") == pytest.approx(-solution.Force("bottom"), abs=1e-10)
+    parts = {(2, 1): 4, (1, 2): 3, (1, 1): 2}[len(paths["mid"]), len(paths)]
+    assert solution.disc.facets.component.max() + 1 == parts
 
 
 def test_mesh_that_was_given_must_stay_as_it_is():

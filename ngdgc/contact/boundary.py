@@ -50,6 +50,7 @@ class ContactBoundary:
     measures : (n,) of the facet, or the mean of several [length^(d-1)]
     trace : sparse ((n i), ndof), row n d + i gives component i of u_h, on a joint of its jump [u_h], at point n
     joined : (n,) True on joints;  beyond : mesh points on their second side, elsewhere those of `inside`
+    tension, depth : (n,) of the `bonds.Bond` of joints, else 0 [stress], [length]
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of `ContactPart`, one for each foundation, in the order of the points
     origin : u_t of the state from which slip counts (n, d) [length]; None: the undeformed body
@@ -92,6 +93,8 @@ class ContactBoundary:
             region = facets.mesh.Boundaries(foundation.boundary)
             self.gap[here] = ValuesAt(foundation.gap, points[here], f"{foundation.kind} {foundation.boundary!r}: gap", region)
             self.parts.append(ContactPart.On(foundation, here, points[here], region))
+        self.depth, self.tension = (np.concatenate([getattr(part.bond, name) if part.bond else np.zeros(np.sum(owner == place))
+                                                    for place, part in enumerate(self.parts)]) for name in ("depth", "tension"))
 
     @property
     def dim(self) -> int:

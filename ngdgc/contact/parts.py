@@ -3,23 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from ..contracts import Array, Compliance, Friction
+from ..data.coefficients import CheckRange, ValuesAt
 from ..exceptions import ProblemError
 from ..problem.foundation import Foundation
 from ..problem.hypotheses import BoundDerivatives, CheckCompliance, CheckFriction, SlipFactor
 from ..problem.laws import LawAt
 from ..problem.userlaws import LawName
+from .bonds import Bond
 from .resolvent import Resolvent
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactPart:
     """A foundation, the slice of its contact points, and its laws with their data there; friction None: there is none.
+
+    bond : of a joint with a tension, else None
 
     All methods map arrays over these points, (m,), to such arrays: r penetration, p pressure, slip |u_t|.
     """
@@ -28,6 +32,7 @@ class ContactPart:
     points: slice
     compliance: Compliance
     friction: Friction | None
+    bond: Bond | None = None
 
     @classmethod
     def On(cls, foundation: Foundation, points: slice, meshpoints: Any, region: Any) -> ContactPart:
@@ -40,22 +45,31 @@ class ContactPart:
             friction = LawAt(foundation.friction, meshpoints, f"{name}: ", region)
             r = np.ones(count)
             CheckFriction(friction, r, compliance.Pressure(r), name)
-        return cls(foundation=foundation, points=points, compliance=compliance, friction=friction)
+        part = cls(foundation=foundation, points=points, compliance=compliance, friction=friction)
+        tension = ValuesAt(foundation.tension, meshpoints, f"{name}: tension", region)
+        CheckRange(tension, f"{name}: tension", least=0)
+        return replace(part, bond=Bond.Of(part, tension, name)) if np.any(tension) else part
 
     def Pressure(self, r: Array) -> Array:
         """p_n(r) [stress]."""
+        if self.bond:
+            return self.bond.part.Pressure(r + self.bond.depth) - self.bond.tension
         return self.compliance.Pressure(r)
 
     def PressureDerivative(self, r: Array) -> Array:
         """p_n'(r) [stress/length]."""
-        return self.compliance.PressureDerivative(r)
+        return self.compliance.PressureDerivative(r + self.bond.depth if self.bond else r)
 
     def Bound(self, r: Array, p: Array) -> Array:
         """p_t(r, p, 0), the friction bound without slip [stress], zero without friction."""
+        if self.bond:
+            return self.bond.part.Bound(r + self.bond.depth, p + self.bond.tension)
         return np.zeros_like(r) if self.friction is None else self.friction.Bound(r, p)
 
     def BoundDerivatives(self, r: Array, p: Array) -> tuple[Array, Array]:
         """(d p_t/dr, d p_t/dp) of the bound without slip."""
+        if self.bond:
+            return self.bond.part.BoundDerivatives(r + self.bond.depth, p + self.bond.tension)
         return (np.zeros_like(r), np.zeros_like(r)) if self.friction is None else BoundDerivatives(self.friction, r, p)
 
     def SlipFactor(self, slip: Array) -> tuple[Array, Array]:
@@ -64,6 +78,9 @@ class ContactPart:
 
     def NormalPoint(self, gamma: Array, q: Array) -> tuple[Array, Array, Array]:
         """(r, p, p_n'(r)) with p = p_n(r) and p + gamma r = q; where the law has ended, a rigid wall."""
+        if self.bond:
+            r, p, slope = self.bond.part.NormalPoint(gamma, q + self.bond.tension + gamma * self.bond.depth)
+            return r - self.bond.depth, p - self.bond.tension, slope
         r, ended = self._Depth(gamma, q)
         with np.errstate(all="ignore"):
             slope = np.where(r > 0, self.PressureDerivative(np.where(r > 0, r, 0)), 0)
@@ -87,6 +104,8 @@ class ContactPart:
 
     def CheckEnds(self, gamma: Array, q: Array, length: Array) -> None:
         """Raise ProblemError if `NormalPoint` or `SlipPoint` of q and length is where a law has ended."""
+        if self.bond:
+            return self.bond.part.CheckEnds(gamma, q + self.bond.tension + gamma * self.bond.depth, length)
         _RaiseWhere(f"{LawName(self.compliance)}.Pressure", "penetration", *self._Depth(gamma, q))
         if self.friction is not None:
             bound = self.Bound(*self.NormalPoint(gamma, q)[:2])

@@ -53,6 +53,7 @@ def Data(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
     for foundation in problem.foundation:
         where = f"{foundation.kind} {foundation.boundary!r}"
         yield f"{where}: gap", foundation.gap
+        yield f"{where}: tension", foundation.tension
         yield f"{where}: normal", foundation.normal
         for role in ("compliance", "friction"):
             law = getattr(foundation, role)

@@ -12,12 +12,20 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 def FoundationEnergy(contact: ContactBoundary, displacement: Array) -> float:
     """int_GammaC int_0^r p_n [stress length^d]; exact for p_n = k r^m with m a multiple of 1/2 up to 18."""
-    r = np.maximum(contact.Penetration(displacement), 0)
-    # With the depth r x^2 roots of r become polynomials of x.
-    density = np.zeros_like(r)
-    for x, weight in zip((NODES + 1) / 2, WEIGHTS / 2):
-        density += weight * 2 * x * r * contact.Pressure(r * x ** 2)
+    density = _Stored(contact, contact.Penetration(displacement))
+    if np.any(contact.tension):
+        density -= _Stored(contact, np.zeros_like(density))
     return float(contact.weights @ density)
+
+
+def _Stored(contact: ContactBoundary, r: Array) -> Array:
+    """int p_n from where bonds have opened to r, (n,), of foundations and joints without a bond from 0."""
+    deep = np.maximum(r + contact.depth, 0)
+    # With the depth r x^2 roots of r become polynomials of x.
+    density = np.zeros_like(deep)
+    for x, weight in zip((NODES + 1) / 2, WEIGHTS / 2):
+        density += weight * 2 * x * deep * (contact.Pressure(deep * x ** 2 - contact.depth) + contact.tension)
+    return density - contact.tension * (r + contact.depth)
 
 
 def Dissipation(contact: ContactBoundary, displacement: Array, traction: Array) -> float:

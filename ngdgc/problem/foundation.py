@@ -49,6 +49,7 @@ class Foundation:
     gap: Any = 0.0
     normal: Any = None
     kind: ClassVar[str] = "foundation"
+    tension: ClassVar[Any] = 0.0
     __repr__ = Described
 
     if TYPE_CHECKING:

@@ -1,5 +1,6 @@
 """Mistakes in problems on a mesh, in their discretisations, methods and liftings, as in `mistakes`."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -10,8 +11,8 @@ from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, Variation, VectorL2, ds, dx, sqrt, x, y
 from problems import Example
 
-from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial, InteriorPenalty,
-                   Joint, Lifting, SemismoothNewtonSolver, Solve, UzawaSolver, WeaklyOverPenalised)
+from ngdgc import (LDG, BassiEtAl, ComplianceLaw, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, Joint, Lifting, SemismoothNewtonSolver, Solve, UzawaSolver, WeaklyOverPenalised)
 from ngdgc.theory.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.blocks.matrix import BlockMatrix
@@ -36,6 +37,17 @@ def Renamed(name):
     mesh = RectangleMesh(2)
     mesh.ngmesh.SetBCName(mesh.GetBoundaries().index("right"), name)
     return mesh
+
+
+@dataclass(frozen=True)
+class Ending(ComplianceLaw):
+    """p_n = 1 - exp(-r), never more than 1."""
+
+    def Pressure(self, r):
+        return -np.expm1(-np.maximum(r, 0))
+
+    def PressureDerivative(self, r):
+        return np.where(r > 0, np.exp(-np.maximum(r, 0)), 0)
 
 
 def SecondOrder():
@@ -143,7 +155,10 @@ PROBLEMS = [
     (lambda _: Disc(mesh=Layers(2), foundation=[Joint("mid", SOFT)], dirichlet={"bottom": SPRING}, traction=None).matrix,
      "nothing resists translation along x in part 2 | neither dirichlet nor roller | hold it with"),
     (lambda _: Joint("interface", SOFT, normal=(0, 1)),
-     "Joint(...): there is no argument 'normal' | choose among boundary, compliance, friction, gap | choose"),
+     "Joint(...): there is no argument 'normal' | choose among boundary, compliance, friction, gap, tension | choose"),
+    (lambda _: Jointed(tension=-1), "joint 'interface': tension is -1 | at least 0 | must be"),
+    (lambda _: Disc(mesh=Inside(), foundation=[Joint("interface", Ending(), tension=5)]),
+     "joint 'interface': tension is 5 | reaches at no penetration | make the tension less"),
     (lambda _: Jointed(gap=sqrt(x - 0.5)), "joint 'interface': gap is not finite | point | look for"),
     (lambda _: Disc(Conforming(), mesh=SecondOrder(), foundation=[Joint("interface", SOFT)]),
      "the mesh has elements of second order | needs its nodes doubled on joint 'interface' | take a discontinuous method"),

@@ -45,6 +45,6 @@ class Bond:
         with np.errstate(all="ignore"):
             reached = part.Pressure(depth)
         if not np.all(np.abs(reached - tension) <= REACHED * tension):
-            raise ProblemError(f"{name}: tension is {tension.max():g}, which the pressure of its law reaches at no penetration: "
-                               "make the tension less than the largest pressure of the law, of which it is a part")
+            raise ProblemError(f"{name}: tension is {tension.max():g}, which the pressure of its law reaches at no "
+                               "penetration: make the tension less than the largest pressure of the law, of which it is a part")
         return cls(part, depth, reached)

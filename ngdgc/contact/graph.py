@@ -81,7 +81,7 @@ class ContactGraph:
         if not np.isfinite(total):
             self._CheckFinite(q, r, slip, {"Pressure": p + r, "PressureDerivative": dr, "Bound": base,
                                            "BoundDerivatives": dbase, "Coefficient": bound + along + slip})
-        zones = np.where(p <= -contact.tension, SEPARATION, np.where(sliding, SLIP, STICK))
+        zones = np.where(p <= OverParts(contact.parts, ContactPart.Least, p), SEPARATION, np.where(sliding, SLIP, STICK))
         # dt_t/dq = (|t_t|/|q_t|)(P - e e') + dp_t/d|q_t| e e' + gamma ds/d(bound) dbound/dq_n e n', P = I - n n'.
         ratio = np.where(sliding, bound / np.where(length > 0, length, 1), 1)
         along = np.where(sliding, along, 1)
@@ -162,7 +162,7 @@ def Distance(contact: ContactBoundary, displacement: Array, traction: Array) -> 
     straight = (off < along) & (slid > 0)
     sliding |= straight
     distance = np.maximum(distance, np.where(straight, off, along) / uscale)
-    least = 0 - contact.tension
+    least = OverParts(contact.parts, ContactPart.Least, pressure)
     zones = np.where(pressure <= least, SEPARATION, np.where(sliding, SLIP, STICK))
     # Where an iteration has left no number for the displacement only the traction tells.
     pressure = np.where(np.isnan(r), np.maximum(t, least),

@@ -56,6 +56,10 @@ class ContactPart:
             return self.bond.part.Pressure(r + self.bond.depth) - self.bond.tension
         return self.compliance.Pressure(r)
 
+    def Least(self, p: Array) -> Array:
+        """The pressure in separation, as large an array as p: 0, or of a bond minus its tension [stress]."""
+        return 0 - self.bond.tension if self.bond else np.zeros_like(p)
+
     def PressureDerivative(self, r: Array) -> Array:
         """p_n'(r) [stress/length]."""
         return self.compliance.PressureDerivative(r + self.bond.depth if self.bond else r)

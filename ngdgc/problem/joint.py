@@ -25,9 +25,9 @@ class Joint(Foundation):
     so that pressing together is positive and g >= 0 the distance of the two sides before.  The second side feels t, the first
     one -t [stress].  What a solution has on a foundation it has on a joint, `displacement` and `slip` being those of [u].
 
-    `tension` T [stress] bonds the sides: p(r) = p_n(r + r_0) - T with p_n(r_0) = T, so that p(0) = 0.  The joint then pulls as it
-    presses, and opens at the constant tension T, its cut-off; it is elastic, and bonds again where it closes.  Friction is p_t
-    of r + r_0 and p + T: Coulomb's has the cohesion mu T, with the cut-off at the apex of the cone of Mohr and Coulomb.
+    `tension` T [stress] bonds the sides: p(r) = p_n(r + r_0) - T with p_n(r_0) = T, so that p(0) = 0.  The joint then pulls as
+    it presses, and opens at the constant tension T, its cut-off; it is elastic, and bonds again where it closes.  Friction is
+    p_t of r + r_0 and p + T: Coulomb's has the cohesion mu T, with the cut-off at the apex of the cone of Mohr and Coulomb.
 
     A joint may end inside the body; parts that hang together by joints alone are held by them as by foundations, each with its
     own free motions.  Discontinuous methods leave the joint out of E0 (assembly="facet"); for Conforming nodes are doubled

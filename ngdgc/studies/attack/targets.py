@@ -213,6 +213,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "compliance": lambda s: s.compliance,
     "friction": lambda s: s.friction,
     "gap": lambda s: s.Choose(0, 0.01, 0.01 * x),
+    "tension": lambda s: s.Choose(0, 1.0, 1 + x),
     "material": lambda s: s.material,
     "foundation": lambda s: s.Choose(s.foundation, [s.foundation]),
     "FromTraces.foundation": lambda s: Foundation("bottom", NormalCompliance(100)),

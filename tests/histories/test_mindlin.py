@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from ngsolve import CF, IfPos, Parameter
 
-
 from ngdgc import ContactProblem, Discretization, InteriorPenalty, SolveHistory
 from ngdgc.cases import load_steps
 

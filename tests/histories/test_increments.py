@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from ngsolve import CF, IfPos, Parameter
 
-from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty, NormalCompliance,
-                   SolveHistory)
+from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
+                   NormalCompliance, SolveHistory)
 from ngdgc.histories import increments
 from ngdgc.histories.increments import Increments
 from ngdgc.histories.known import KnownResponse
@@ -18,9 +18,9 @@ from ngdgc.meshes import RectangleMesh
 def Dragged(n=6, times=(1, 2, 3, 4)):
     """A block pressed until 1, dragged until 2, and brought back until 4: large increments."""
     t = Parameter(0)
-    along = 0.03 * IfPos(1 - t, 0, IfPos(2 - t, t - 1, 0.5 * (4 - t)))
+    top = CF((0.03 * IfPos(1 - t, 0, IfPos(2 - t, t - 1, 0.5 * (4 - t))), -0.02 * IfPos(1 - t, t, 1)))
     foundation = Foundation("bottom", NormalCompliance(1e5), friction=CoulombFriction(0.3))
-    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": CF((along, -0.02 * IfPos(1 - t, t, 1)))})
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": top})
     return SolveHistory(Discretization(problem, InteriorPenalty(), RectangleMesh(n), order=1), parameter=t, times=times)
 
 
@@ -28,13 +28,18 @@ def Dragged(n=6, times=(1, 2, 3, 4)):
 def seen(monkeypatch):
     """How often each way is taken."""
     counts = {}
-    for kind, name in ((_Run, "_Solved"), (KnownResponse, "Learn"), (Increments, "__init__")):
-        def Counted(*arguments, name=name, function=getattr(kind, name), **options):
-            counts[name] = counts.get(name, 0) + 1
+
+    def Count(kind, name):
+        function, counts[name] = getattr(kind, name), 0
+
+        def Counted(*arguments, **options):
+            counts[name] += 1
             return function(*arguments, **options)
 
-        counts[name] = 0
         monkeypatch.setattr(kind, name, Counted)
+
+    for kind, name in ((_Run, "_Solved"), (KnownResponse, "Learn"), (Increments, "__init__")):
+        Count(kind, name)
     return counts
 
 
@@ -45,7 +50,7 @@ def usual():
 
 @pytest.mark.parametrize("failing, taken", [(0, [2]), (1, [1, 4]), (2, [1, 1, 8])])
 def test_substeps_lead_to_the_same_states(usual, seen, monkeypatch, failing, taken):
-    """Newton's method is made to fail in one go, and in the first substep of so many divisions; 1e-9, the tolerance is 1e-10."""
+    """Newton's method is made to fail in one go, and in the first substep of so many divisions; the tolerance is 1e-10."""
     BySteps, Newton = Increments._BySteps, Increments._Newton
     inside, divisions = [], []      # which calls begin at the last state, while there are substeps; how many those were
 

@@ -7,6 +7,7 @@ from ngsolve import IfPos, Parameter, x
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, HookeMaterial, Joint,
                    NormalCompliance, SemismoothNewtonSolver, Solve, SolveHistory)
+from ngdgc.contact.graph import ContactGraph
 
 K, T, MU = 5000.0, 20.0, 0.5
 BODIES = {2: Layers(2), 3: Stacked()}
@@ -84,3 +85,29 @@ def test_without_tension_nothing_changes():
     assert plain.vector.tolist() == none.vector.tolist() and plain.disc.contact.parts[0].bond is None
     weaker = Column(2, LDG(), traction={"top": (0, 10)}, tension=T * (1 + x))
     assert weaker.pressure == pytest.approx(-10) and np.ptp(weaker.disc.contact.tension) > 10
+
+
+@pytest.mark.parametrize("exponent", [1, 1.5])
+def test_graph_of_a_bond_is_parametrised_and_differentiated(exponent):
+    """t + gamma u = q, the law between them, and dt/dq and p_n' against central differences, away from kinks."""
+    joint = Joint("mid", NormalCompliance(K, exponent), friction=CoulombFriction(MU), tension=T)
+    disc = Discretization(ContactProblem(HookeMaterial(E=1000, nu=0.3), joint, dirichlet={"bottom": (0, 0), "top": (0, 0)}),
+                          LDG(), BODIES[2], order=3)
+    contact, gamma, step = disc.contact, 800.0, 1e-4
+    q = np.random.default_rng(1).uniform(-3 * T, 3 * T, contact.normals.shape)
+    graph = ContactGraph(contact, gamma)
+    point = graph.At(q)
+    assert point.traction + gamma * point.displacement == pytest.approx(q, abs=1e-11 * T)
+    r, p = contact.Penetration(point.displacement), contact.Normal(point.traction)
+    assert contact.Pressure(r) == pytest.approx(p, abs=1e-9 * T)
+    assert p.min() == pytest.approx(-T) and p.max() > 0 and set(point.zones) == {0, 1, 2}
+    sliding = point.zones == 2
+    assert np.linalg.norm(contact.Tangential(point.traction), axis=1)[sliding] == pytest.approx(MU * (p + T)[sliding])
+    for axis in range(2):
+        ahead, behind = (graph.At(q + sign * step * np.eye(2)[axis]) for sign in (1, -1))
+        same = (ahead.zones == point.zones) & (behind.zones == point.zones)
+        slope = (ahead.traction - behind.traction)[same] / (2 * step)
+        assert same.sum() > 5 and slope == pytest.approx(point.derivative[same][:, :, axis], abs=1e-5)
+    pressed = r + contact.depth > 1e-4
+    slope = (contact.Pressure(r + 1e-7) - contact.Pressure(r - 1e-7)) / 2e-7
+    assert contact.PressureDerivative(r)[pressed] == pytest.approx(slope[pressed], rel=1e-4)

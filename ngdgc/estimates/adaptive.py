@@ -20,6 +20,7 @@ from ..solvers.nested import FromPrediction, LevelOf, NestedNewtonSolver, Transf
 from ..solvers.newton.solver import SemismoothNewtonSolver
 from ..tools.calls import ByKeyword
 from ..tools.values import Integer, PositiveNumber
+from .conflicts import Conflict
 from .marking import Marked
 from .measures import Measure, Measured
 from .refine import CheckRefinable, Refined
@@ -121,7 +122,7 @@ class _Run:
         """On the next mesh; NotConvergedError or SolveInterrupted with the solution before if that is not to be."""
         solution = before.solution
         try:
-            _CheckProgress(before.sums)
+            _CheckProgress(before.sums, solution.disc)
             begin, disc = time.perf_counter(), self._Finer(before)
             tol = self._LawTolerance(solution.levels)
             _Forget(solution.disc)
@@ -171,9 +172,12 @@ class _Run:
         return max(min(BALANCE * max(expected, self.tol), LOOSE), self.law)
 
 
-def _CheckProgress(sums: list[float]) -> None:
+def _CheckProgress(sums: list[float], disc: Any) -> None:
     """Raise ProblemError if refinement does not help: by the sums of indicators, among which nothing cancels."""
     if len(sums) > WINDOW and not sums[-1] <= STALLED * sums[-1 - WINDOW]:
+        if words := Conflict(disc):
+            raise ProblemError(f"{WINDOW} refinements have not made it smaller, for {words}, and no displacement of finite "
+                               "energy has both; let them agree there")
         raise ProblemError(f"{WINDOW} refinements have not made it smaller, for it is round-off, or comes from data that no "
                            "mesh resolves; give a larger tol")
 

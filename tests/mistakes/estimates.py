@@ -114,6 +114,8 @@ ESTIMATES = [
     (lambda _: Adapted(tol=0.01, most=100), "tol=0.01 was not reached | more than most=100 | give a larger most"),
     (lambda _: Adapted(RectangleMesh(1), problem=AffinePatch("slip").problem, tol=1e-15),
      "tol=1e-15 was not reached | round-off | give a larger tol"),
+    (lambda _: Adapted(problem=Example(dirichlet={"right": (0, 0), "top": (0, -0.1)}), tol=1e-3),
+     "tol=0.001 was not reached | the displacements of 'right' and 'top' differ by 0.1 at | let them agree there"),
     (lambda _: Adapted(tol=0.01, callback=Ended(False)), "interrupted | after | the last iterate is its attribute solution"),
     (lambda _: Adapted(tol=0.01, callback=Ended(True)), "interrupted | after | the last iterate is its attribute solution"),
     (lambda _: Unestimated(), "interrupted | after | the last iterate is its attribute solution")]

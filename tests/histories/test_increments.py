@@ -52,6 +52,7 @@ def usual():
 def test_substeps_lead_to_the_same_states(usual, seen, monkeypatch, failing, taken):
     """Newton's method is made to fail in one go, and in the first substep of so many divisions; the tolerance is 1e-10."""
     BySteps, Newton = Increments._BySteps, Increments._Newton
+    loads = []                      # of first substeps
     inside, divisions = [], []      # which calls begin at the last state, while there are substeps; how many those were
 
     def Divided(run, graph, free):
@@ -59,15 +60,18 @@ def test_substeps_lead_to_the_same_states(usual, seen, monkeypatch, failing, tak
         found = BySteps(run, graph, free)
         begins = inside.pop()
         divisions.append(np.diff([*np.flatnonzero(begins), len(begins)]).tolist())
+        assert loads[-1] == pytest.approx((free - run.free) / divisions[-1][-1])
         return found
 
     def Failing(run, graph, q, free):
+        nonlocal loads
         found = Newton(run, graph, q, free)
         if not inside:
             known = run._Negligible(run.known.Outside(found.s), found.point)
             return replace(found, solved=found.solved and not known)
         begins = np.array_equal(q, graph.Coordinates(run.moment.displacement, run.moment.traction))
         inside[-1].append(begins)
+        loads += [free - run.free] * begins
         return replace(found, solved=found.solved and not (begins and sum(inside[-1]) <= failing))
 
     monkeypatch.setattr(Increments, "_BySteps", Divided)

@@ -82,17 +82,18 @@ def test_nearly_the_same_traction_tells_what_is_new_in_it():
 
 
 @pytest.mark.parametrize("dense", [True, False])
-@pytest.mark.parametrize("still", [True, False])
-def test_small_equations_are_those_of_the_guess(dense, still, monkeypatch):
+@pytest.mark.parametrize("still, void, count", [(True, 0, 7), (False, 0, 7), (False, 3, N * DIM - 1)])
+def test_small_equations_are_those_of_the_guess(dense, still, void, count, monkeypatch):
     """local x + S_V shifted x = b, also where the rows of `shifted` vanish, against one matrix: round-off."""
-    known, _ = Learnt(Operator(), 7, dense=dense, monkeypatch=monkeypatch)
+    known, _ = Learnt(Operator(void), count, dense=dense, monkeypatch=monkeypatch)
     local = np.eye(DIM) + 0.1 * rng.normal(size=(N, DIM, DIM))
     shifted = 0.5 * np.eye(DIM) + 0.1 * rng.normal(size=(N, DIM, DIM))
     if still:
         shifted[:, 1], shifted[3] = 0, 0
     b = rng.normal(size=(N, DIM))
     x = known.Solve(local, shifted, b)
-    assert np.abs(Apply(local, x) + known.Times(Apply(shifted, x)) - b).max() < 1e-12
+    # Where the last tractions are nearly void their products have lost some digits.
+    assert np.abs(Apply(local, x) + known.Times(Apply(shifted, x)) - b).max() < (1e-7 if void else 1e-12)
     assert np.all(np.isnan(known.Solve(0 * local, 0 * shifted, b)))
 
 

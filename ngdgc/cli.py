@@ -28,6 +28,7 @@ from .commands.newcase import AddNew
 from .commands.progress import AddProgress
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
+from .commands.sweeps import AddSweeps
 from .contracts import Solver
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from .methods.registry import METHODS, MethodWords, Options
@@ -120,6 +121,7 @@ def _Parser() -> _OneLine:
     listing = commands.add_parser("cases", help="list the cases that come with the package")
     listing.set_defaults(command=ListCases)
     AddStudies(commands)
+    AddSweeps(commands)
     AddBench(commands)
     AddCompare(commands)
     AddAttack(commands)

@@ -169,8 +169,9 @@ def _AddRun(commands: Commands) -> None:
 
 
 def ListCases(options: Namespace) -> int:
+    width = max(map(len, CaseFiles())) + 2
     for name in CaseFiles():
-        print(f"{name:<16}{(LoadCase(name).__doc__ or '').strip().splitlines()[0]}")
+        print(f"{name:<{width}}{(LoadCase(name).__doc__ or '').strip().splitlines()[0]}")
     return 0
 
 

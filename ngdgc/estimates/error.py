@@ -15,7 +15,7 @@ from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
-from .estimate import ErrorEstimate, RefuseJoints, RefuseSprings, Relative
+from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefuseSprings, Relative
 from .lawpart import LawPart
 from .loadquadrature import LoadQuadrature
 from .oscillation import BodyOscillation, TractionOscillation
@@ -84,6 +84,7 @@ def _Check(solution: Any) -> None:
                            "FacetForm, as all methods of ngdgc have it")
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
+    RefuseHistories(disc)
     if disc.added:
         raise ProblemError("forms were added, whose forces the numerical flux does not know; errors are estimated of problems "
                            "without them")

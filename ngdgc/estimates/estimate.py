@@ -81,6 +81,13 @@ def RefuseJoints(problem: ContactProblem) -> None:
                            "estimated of bodies that press against foundations alone: compare with a finer mesh")
 
 
+def RefuseHistories(disc: Any) -> None:
+    """Raise ProblemError for a state of a history that is not its first one."""
+    if disc.origin is not None:
+        raise ProblemError("the solution is a state of a history, whose slip counts from the state before; errors are "
+                           "estimated of solutions from rest: of the first state, or with Solve")
+
+
 def RefuseSprings(problem: ContactProblem) -> None:
     """Raise ProblemError for a problem with springs."""
     if problem.spring:

@@ -15,7 +15,7 @@ from ..mesh.facets import Curved, Projected, Threads
 from ..methods.symbolform import OtherStrain
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
-from .estimate import ErrorEstimate, RefuseJoints, RefuseSprings, Relative
+from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefuseSprings, Relative
 from .contactresidual import ContactResidual, Softest
 
 SMOOTH = 2      # degrees beyond k of the polynomials that a stress which is none is taken for
@@ -55,6 +55,7 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     disc = solution.disc
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
+    RefuseHistories(disc)
     if disc.added:
         raise ProblemError("the solution has added forms, whose forces are no tractions on facets that could be compared; "
                            "estimate errors without them: write springs and loads as foundation, traction and bodyforce")

@@ -12,7 +12,7 @@ from ..contracts import Array
 from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .contactresidual import FINE, Softest
-from .estimate import RefuseJoints
+from .estimate import RefuseHistories, RefuseJoints
 
 
 @ByKeyword
@@ -38,6 +38,7 @@ def EstimateZones(solution: Any) -> dict[str, float]:
     """
     CheckSolution(solution)
     RefuseJoints(solution.disc.problem)
+    RefuseHistories(solution.disc)
     with solution.state.Restored():
         fine, first, second = _Labels(solution)
     points = np.bincount(solution.disc.contact.boundaryelements)

@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from ngsolve import CF, InnerProduct, Integrate, sin, x, y
+from ngsolve import CF, InnerProduct, Integrate, Parameter, sin, x, y
 from problems import TEN, Example, Loaded, Solved
 
 from ngdgc import (LDG, BassiEtAl, ContactProblem, CoulombFriction, Discretization, EstimateError, Foundation, HookeMaterial,
-                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, Solve)
+                   InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, ProblemError, Solve, SolveHistory)
 from ngdgc.errors import EnergyError
 from ngdgc.estimates import error, estimate, lawpart, potential
 from ngdgc.estimates.residual import ResidualEstimate
@@ -148,3 +148,16 @@ def test_a_rigid_motion_has_no_error(Estimate, unit, monkeypatch):
     assert Estimate(solution).relative < 1e-3
     monkeypatch.setattr(estimate, "ROUNDOFF", 0)
     assert Estimate(solution).relative > 0.01       # control
+
+
+def test_the_first_state_of_a_history_has_an_estimate():
+    """Its slip counts from rest; that of later ones does not, and they have none."""
+    t = Parameter(0)
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(1e4)),
+                             dirichlet={"top": CF((0.01 * t, -0.02))})
+    states = SolveHistory(Discretization(problem, LDG(), RectangleMesh(3)), parameter=t, times=(1, 2))
+    t.Set(1)
+    alone = Solve(Discretization(problem, LDG(), RectangleMesh(3)))
+    assert EstimateError(states[0]).value == pytest.approx(EstimateError(alone).value, rel=1e-8)
+    with pytest.raises(ProblemError, match="state of a history"):
+        EstimateError(states[1])

@@ -2,8 +2,9 @@
 
 from ngsolve import CF, Parameter
 
-from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty, LoadHistory,
-                   NormalCompliance, SolveHistory, UzawaSolver)
+from ngdgc import (ContactProblem, CoulombFriction, Discretization, EstimateError, EstimateForce, EstimateZones, Foundation,
+                   HookeMaterial, InteriorPenalty, LoadHistory, NormalCompliance, SolveHistory, UzawaSolver)
+from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.meshes import RectangleMesh
 from ngdgc.plots import LoadHistoryFigure
 
@@ -64,4 +65,8 @@ HISTORIES = [
      "parameter is 3 | the ngsolve.Parameter on which the data depend | give"),
     (lambda _: LoadHistoryFigure(3), "history is 3 | which SolveHistory returns | give"),
     (lambda _: LoadHistoryFigure(History(), against=[1]), "against is [1] | each of the 2 states | give one number"),
+    (lambda _: EstimateError(History()[1]), "a state of a history | slip counts from the state before | from rest"),
+    (lambda _: EstimateForce(History()[1]), "a state of a history | slip counts from the state before | from rest"),
+    (lambda _: EstimateZones(History()[1]), "a state of a history | slip counts from the state before | from rest"),
+    (lambda _: ResidualEstimate(History()[1]), "a state of a history | slip counts from the state before | from rest"),
     (lambda _: Interrupted(), "interrupted after 2 states | they are | its attribute states")]

@@ -6,8 +6,8 @@ Domain: (-10,10) x (-10,10) [mm], the parts of two rollers of radius 50 next to 
 Problem: plane strain, E = 3000, nu = 0.4 [N/mm^2] for both; the lower side is held, the upper one goes down by 0.012 mm and
     `pull` [mm] sideways; p_n = 1e6 r, nearly rigid, friction coefficient 0.5.
 What to look at: the pressure over x is half an ellipse.  Two equal bodies give way alike, so that friction does not change
-    it; on a foundation, which does not give way sideways, that is so only for nu = 1/2.  `Rub` presses, drags, and goes back
-    and forth: the loop of force over pull closes, and its area is what friction takes.
+    it; on a foundation, which does not give way sideways, that is so only for nu = 1/2.  `History` presses, drags, and goes
+    back and forth (`--history`): the loop of force over pull closes, and its area is what friction takes.
 Source: H. Hertz 1882; C. Cattaneo 1938, R. D. Mindlin and H. Deresiewicz 1953; K. L. Johnson, Contact Mechanics, sections 4.2,
     7.2 and 7.4.  Without coupling the slide is mu times the difference of the approaches under P and under P - Q/mu
     (M. Ciavarella 1998), whose derivative is const - ln(P)/(pi E*): over a cycle the constant drops out, `LoopArea`.
@@ -76,14 +76,14 @@ def Main(*, method=InteriorPenalty(), order=2, n=32, pull=PULL, solver=NestedNew
     return solver.Solve(disc, callback=callback)
 
 
-def Rub(count=8, *, largest=PULL, method=InteriorPenalty(), order=2, n=32):
+def History(*, count=8, largest=PULL, method=InteriorPenalty(), order=2, n=32, callback=None):
     """The LoadHistory of pressing, pulling to `largest` [mm] in `count` increments, and one cycle back and forth."""
     t = Parameter(0)
     # t from 0 to 1 presses; from then on the pull goes by the largest one for every unit, up, down and up.
     turn = IfPos(t - 2, IfPos(t - 4, t - 5, 3 - t), IfPos(t - 1, t - 1, 0))
     problem = Problem(pull=largest * turn, down=DOWN * IfPos(t - 1, 1, t))
     return SolveHistory(Discretization(problem, method, Mesh(n), order=order), parameter=t,
-                        times=np.linspace(0, 6, 6 * count + 1))
+                        times=np.linspace(0, 6, 6 * count + 1), callback=callback)
 
 
 def Compare(solution):

@@ -13,11 +13,11 @@ from types import ModuleType
 from typing import Any, NoReturn, cast
 
 from . import __version__
-from .commands.adaptive import Adaptive
 from .commands.arguments import Commands, Finite, NumberOrAuto, Positive
 from .commands.attack import AddAttack
 from .commands.bench import AddBench
 from .commands.casefiles import CaseFiles, Compared, LoadCase
+from .commands.caseoptions import CaseArguments
 from .commands.check import AddCheck
 from .commands.compare import AddCompare
 from .commands.console import Console
@@ -29,11 +29,10 @@ from .commands.progress import AddProgress
 from .commands.signals import SIGNALS
 from .commands.studies import AddStudies, Show
 from .commands.sweeps import AddSweeps
-from .contracts import Solver
 from .exceptions import NotConvergedError, ProblemError, SolveInterrupted
-from .methods.registry import METHODS, MethodWords, Options
+from .methods.registry import MethodWords
 from .solution.solution import ContactSolution
-from .tools.names import Known, Meant
+from .tools.names import Meant
 
 EPILOG = """examples:
   ngdgc cases                                                  list the cases
@@ -164,6 +163,8 @@ def _AddRun(commands: Commands) -> None:
     run.add_argument("--maxiter", type=Positive, help="limit of iterations (default 10000 for uzawa, 100 for newton)")
     run.add_argument("--scale", type=NumberOrAuto, default="auto", help="factor of the displacement in the pictures: 1 is "
                      "real, auto (default) enlarges it where it would not be seen")
+    run.add_argument("--history", action="store_true", help="lead the case along its loads, History(...) in its file: forces, "
+                     "energies, an animation, a time series, and all of the last state")
     run.add_argument("--out", default="results", help="folder for the results (default results/)")
     run.set_defaults(command=Run)
 
@@ -177,10 +178,13 @@ def ListCases(options: Namespace) -> int:
 
 def Run(options: Namespace) -> int:
     """Solve the case and write everything about it, also the last iterate of a solve that was stopped or failed."""
+    from .commands.historyrun import RunHistory
     from .commands.output import DrawResults, Progress, SaveResults
 
     case = LoadCase(options.case)
-    arguments = _CaseArguments(case, options)
+    if options.history:
+        return RunHistory(case, options)
+    arguments = CaseArguments(options, inspect.signature(case.Main).parameters)
     with Files(options.out, "solution/", "report.json", "report.txt") as files:
         progress = Progress(sys.stdout)
         print(f"{Path(options.case).stem}: {arguments['method']}", flush=True)
@@ -238,45 +242,6 @@ def Stability(options: Namespace) -> int:
         raise
     print(Text(study))
     return 0
-
-
-def _CaseArguments(case: ModuleType, options: Namespace) -> dict[str, Any]:
-    """Keyword arguments for the case's Main; an option that the case does not know is an error."""
-    chosen = Known(options.method, METHODS, what="method")
-    row = METHODS[chosen]
-    given = {name: getattr(options, name) for name, default in (("penalty", "auto"), ("form", "edge"))
-             if getattr(options, name) != default}
-    for name in given:
-        if name not in Options(row):
-            raise ProblemError(f"--{name} does not apply to method {chosen!r}; leave it out")
-    arguments = {"method": row(**given), "solver": _Solver(options)}
-    known = inspect.signature(case.Main).parameters
-    for name in ("order", "n", "plane", "cells"):
-        value = getattr(options, name)
-        if value is not None:
-            if name not in known:
-                raise ProblemError(f"--{name} does not apply to this case, whose Main has no such keyword; leave it out")
-            arguments[name] = value
-    return arguments
-
-
-def _Solver(options: Namespace) -> Solver:
-    """The solver of the options; one that the solver does not know is an error."""
-    from .solvers import NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
-
-    known = {"auto": (NestedNewtonSolver, ()), "newton": (SemismoothNewtonSolver, ("maxiter",)),
-             "uzawa": (UzawaSolver, ("maxiter", "rho"))}
-    chosen = Known(options.solver, known, what="solver")
-    solver, names = known[chosen]
-    given = {name: getattr(options, name) for name in ("maxiter", "rho") if getattr(options, name) is not None}
-    for name in given:
-        if name not in names:
-            raise ProblemError(f"--{name} does not apply to solver {chosen!r}; leave it out")
-    if options.error is None:
-        return solver(tol=options.tol, **given)
-    if chosen != "auto":
-        raise ProblemError(f"--error does not apply to solver {chosen!r}, which solves on one mesh; leave one of them out")
-    return Adaptive(error=options.error, tol=options.tol)
 
 
 if __name__ == "__main__":

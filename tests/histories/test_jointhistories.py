@@ -75,7 +75,7 @@ def test_loop_of_two_rollers():
     What yields besides: the joint, 1/220 of the bodies, and their size, 25 half widths.
     """
     count, n = 4, 24
-    history = two_rollers.Rub(count, n=n)
+    history = two_rollers.History(count=count, n=n)
     force, shear = -history.forces["joint"][-1, 1], abs(history.forces["joint"][-1, 0])
     area = history.dissipation[-1] - history.dissipation[2 * count]
     assert area == pytest.approx(two_rollers.LoopArea(force, shear), rel=0.02)

@@ -40,6 +40,14 @@ def Checked(text):
     return Mistake
 
 
+def Led(text, *options):
+    """The mistake of leading a case with this function History along its loads."""
+    def Mistake(folder):
+        (folder / "case.py").write_text(f"def Main():\n    pass\n\n\n{text}", encoding="utf-8")
+        Typed(" ".join(["run OUT/case.py --history --out OUT/results", *options]))(folder)
+    return Mistake
+
+
 def WithoutProblem(folder):
     (folder / "case.py").write_text("def Main():\n    pass\n", encoding="utf-8")
     Typed("stability OUT/case.py")(folder)
@@ -66,6 +74,10 @@ COMMANDS = [
     (Changed("return solver.Solve(disc, callback=callback)", "pass"),
      "returned NoneType | ContactSolution | let it return what the solver"),
     (WithoutProblem, "case.py has no functions | Problem() and Mesh(n) | write them"),
+    (Led(""), "case.py has no function History(method= | what SolveHistory returns | leave --history out"),
+    (Led("def History(*, callback=None):\n    pass\n"), "History of | has no keyword 'method' | needs method and callback"),
+    (Led("def History(*, method, callback):\n    pass\n"), "returned NoneType | a LoadHistory | what SolveHistory returns"),
+    (Led("def History(*, method, callback):\n    pass\n", "--error 0.1"), "--error does not apply | one mesh | leave one"),
     (Typed("rnu example_4_1"), "invalid choice: 'rnu' | choose one of new, check, run | did you mean 'run'"),
     (Typed("new block"), "'block' is no name of a case | one that ends in .py | give"),
     (Typed("new OUT/file.py", "file.py"), "file.py is there already and is kept | another name | give"),

@@ -369,3 +369,14 @@ def test_check_reads_the_console():
     line = '[1:1:1122/1.5:{}:CONSOLE:34] "{}", source: file:///a.js (2)'
     assert not Errors(line.format("INFO", "webgl2 is supported!"))
     assert Errors(line.format("INFO", "Uncaught TypeError: x is undefined")) and Errors(line.format("ERROR", "gone"))
+
+
+@pytest.mark.slow
+def test_the_cells_of_the_guide_run_one_after_the_other(tmp_path, monkeypatch):
+    """As its page is built, in which a name means what the last cell made of it; commands have tests of their own."""
+    monkeypatch.chdir(tmp_path)
+    scope = {}
+    for number, cell in enumerate(CELL.findall(PAGES["guide"])):
+        lines = [line for line in cell.splitlines() if not line.startswith(("!", ":", "%"))]
+        exec(compile("\n".join(lines), f"cell {number} of guide.md", "exec"), scope)
+    assert len(scope["iterated"].displacement) == len(scope["solution"].displacement)

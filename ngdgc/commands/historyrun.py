@@ -14,9 +14,9 @@ from ..exceptions import NotConvergedError, ProblemError, SolveInterrupted
 from ..histories.history import LoadHistory
 from ..histories.states import Increment
 from ..tools.tables import Aligned
+from . import output
 from .caseoptions import CaseArguments
 from .files import Files
-from .output import DrawInto, DrawResults, SaveResults
 from .signals import SIGNALS
 
 
@@ -33,11 +33,11 @@ def RunHistory(case: ModuleType, options: Namespace) -> int:
         with SIGNALS.Held():
             try:
                 _Save(history, files)
-                SaveResults(history[-1], files)
+                output.SaveResults(history[-1], files)
             finally:
                 print(Table(history) + "\n" + history[-1].Report(), flush=True)
         _Draw(history, files, scale=options.scale)
-        DrawResults(history[-1], files, scale=options.scale)
+        output.DrawResults(history[-1], files, scale=options.scale)
     if message:
         print(f"ngdgc: {message}", file=sys.stderr)
     return code
@@ -100,7 +100,7 @@ def _Draw(history: LoadHistory, files: Files, *, scale: Any) -> None:
     from ..export import Animation, WriteSeries
     from ..plots import LoadHistoryFigure
 
-    files.Write("forces.png", partial(DrawInto, lambda: LoadHistoryFigure(history)))
+    files.Write("forces.png", partial(output.DrawInto, lambda: LoadHistoryFigure(history)))
     files.Write("animation.html", lambda path: Animation(list(history), scale=scale).Write(path))
 
     def Series(folder: Path) -> None:

@@ -1,6 +1,8 @@
 """Problems of the tests, the methods that they are solved with, and solutions."""
 
-from ngsolve import CF, x, y
+from itertools import pairwise
+
+from ngsolve import CF, IfPos, x, y
 
 from ngdgc import (LDG, AnisotropicMaterial, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization,
                    Foundation, HookeMaterial, InteriorPenalty, NestedNewtonSolver, NormalCompliance, PenaltyFreeLDG,
@@ -75,3 +77,11 @@ def Resting(name):
     foundation = Foundation(REGIONS.get(name, "ring"), NormalCompliance(1000 / size), friction=TrescaFriction(1),
                             gap=-0.01 * size)
     return ContactProblem(HookeMaterial(E=100, nu=0.3), foundation, dirichlet={"top": push} if flat else None)
+
+
+def Along(t, values):
+    """The piecewise linear function of t with these values at 0, 1, 2, ..."""
+    found = values[-1]
+    for number, (a, b) in reversed(list(enumerate(pairwise(values)))):
+        found = IfPos(number + 1 - t, a + (t - number) * (b - a), found)
+    return found

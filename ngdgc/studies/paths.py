@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from time import perf_counter
 from typing import IO, Any
 
@@ -14,8 +13,9 @@ from ngsolve import CF, IfPos, Parameter
 from ..exceptions import NotConvergedError, ProblemError
 from ..histories.solve import SolveHistory
 from ..tools.calls import ByKeyword
-from .samples import Draw, Sample
-from .sweep import SHARP, Violation
+from .records import Recorded
+from .samples import Sample
+from .sweep import SHARP, Samples, Violation
 
 LOADS = "dirichlet", "traction"
 
@@ -99,17 +99,8 @@ def RunPath(number: int, sample: Sample, *, steps: int = 10, seed: int = 1) -> P
 def Paths(seed: int, count: int, file: IO[str], *, dofs: float = 150_000, steps: int = 10,
           callback: Callable[[PathRecord], object] | None = None) -> list[PathRecord]:
     """The PathRecords of the first `count` problems of a seed, as `sweep.Sweep` has its Records."""
-    records = []
-    try:
-        for number in range(count):
-            records.append(RunPath(number, Draw(seed, number, dofs=dofs), steps=steps, seed=seed + number))
-            file.write(json.dumps(asdict(records[-1])) + "\n")
-            file.flush()
-            if callback is not None:
-                callback(records[-1])
-    except KeyboardInterrupt:
-        pass        # what was computed is the result
-    return records
+    made = (RunPath(number, sample, steps=steps, seed=seed + number) for number, sample in Samples(seed, count, dofs=dofs))
+    return Recorded(made, file, callback)
 
 
 @ByKeyword

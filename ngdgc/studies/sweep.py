@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from time import perf_counter
 from typing import IO, Any
 
@@ -18,6 +17,7 @@ from ..problem.laws import CoulombFriction, PowerFriction, SlipWeakeningFriction
 from ..solution.solution import ContactSolution
 from ..solvers import NestedNewtonSolver
 from ..tools.calls import ByKeyword
+from .records import Recorded
 from .samples import Draw, Sample
 
 SHARP = 1e-8        # of the law violation
@@ -149,17 +149,7 @@ def Sweep(samples: Iterable[tuple[int, Sample]], file: IO[str], *, callback: Cal
     Each Record goes into the text file as one line of JSON as soon as it is there, and then to `callback(record)`; Ctrl-C
     returns what is there.
     """
-    records = []
-    try:
-        for number, sample in samples:
-            records.append(Run(number, sample, **options))
-            file.write(json.dumps(asdict(records[-1])) + "\n")
-            file.flush()
-            if callback is not None:
-                callback(records[-1])
-    except KeyboardInterrupt:
-        pass        # what was computed is the result
-    return records
+    return Recorded((Run(number, sample, **options) for number, sample in samples), file, callback)
 
 
 @ByKeyword

@@ -8,6 +8,7 @@ from ngsolve import Parameter
 
 from ngdgc import LoadHistory
 from ngdgc.cli import Main
+from ngdgc.histories import solve
 
 CASE = '''"""A block that is pressed, and then dragged."""
 
@@ -63,8 +64,10 @@ def test_a_case_is_led_along_its_loads(case, capsys):
     assert (out / "animation.html").stat().st_size > 1e5
 
 
-def test_states_before_a_failure_are_written(case, capsys):
+@pytest.mark.usefixtures("quick")
+def test_states_before_a_failure_are_written(case, capsys, monkeypatch):
     """A block that slides away: the states before, the message, and 1."""
+    monkeypatch.setattr(solve, "HALVINGS", 1)       # to fail sooner
     case.write_text(CASE.replace('dirichlet={"top": top}', 'traction={"top": CF((4 * IfPos(t - 1, t - 1, 0), -10))}'),
                     encoding="utf-8")
     out = case.parent / "results"

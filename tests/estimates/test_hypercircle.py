@@ -23,8 +23,8 @@ def Bent(mesh, material=None, gap=0.0):
     return ContactProblem(material or HookeMaterial(E=1, nu=0.3), foundation, dirichlet={"top": CF((0.03, *solid, -0.05))})
 
 
-CASES = {"hex": (lambda: BoxMesh(2, cells="hex"), lambda: BoxMesh(4, cells="hex"), None),
-         "prism": (lambda: UnitMesh(2, "prism"), lambda: UnitMesh(4, "prism"), None),
+CASES = {"hex": (lambda: BoxMesh(1, cells="hex"), lambda: BoxMesh(3, cells="hex"), None),
+         "prism": (lambda: UnitMesh(1, "prism"), lambda: UnitMesh(3, "prism"), None),
          "curved": (lambda: BodyMesh(3, "cad", 2), lambda: BodyMesh(9, "cad", 3), None),
          "graded": (lambda: RectangleMesh(4), lambda: RectangleMesh(12), GRADED)}
 

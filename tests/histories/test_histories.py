@@ -1,17 +1,17 @@
 """Load histories against states that are known exactly, against increments solved one by one, and against one step."""
 
-from itertools import pairwise
 
 import numpy as np
 import pytest
-from ngsolve import CF, IfPos, Parameter, x, y, z
-from problems import TEN
+from ngsolve import CF, Parameter, x, y, z
+from problems import TEN, Along
 
 from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    LoadHistory, NormalCompliance, NotConvergedError, SemismoothNewtonSolver, Solve, SolveHistory,
                    SolveInterrupted, TrescaFriction)
 from ngdgc.contact.graph import SEPARATION, SLIP, STICK
 from ngdgc.discrete.problem import DiscreteProblem
+from ngdgc.histories import solve
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.plots import LoadHistoryFigure
 
@@ -21,14 +21,6 @@ STIFFNESS, COEFFICIENT = 3000.0, 0.3
 PATH = [(STICK, 0.0, 0.03, 0.5), (SLIP, 0.02, 0.03, 1.0), (STICK, 0.02, 0.03, -0.4), (SLIP, -0.01, 0.025, -1.0),
         (SEPARATION, 0.05, -0.01, 0.0), (SLIP, 0.07, 0.02, 1.0)]
 ZONES = [zone for zone, *_ in PATH]
-
-
-def Along(t, values):
-    """The piecewise linear function of t with these values at 0, 1, 2, ..."""
-    found = values[-1]
-    for number, (a, b) in reversed(list(enumerate(pairwise(values)))):
-        found = IfPos(number + 1 - t, a + (t - number) * (b - a), found)
-    return found
 
 
 def Patch(t, dim, direction):
@@ -180,8 +172,9 @@ def test_a_history_goes_on_from_another_one_and_from_a_folder(tmp_path):
     assert np.abs(fresh.traction - whole.traction[9:]).max() > 1e-3 * np.abs(whole.traction).max()
 
 
-def test_a_failure_names_the_time_and_keeps_the_states_and_the_parameter():
+def test_a_failure_names_the_time_and_keeps_the_states_and_the_parameter(monkeypatch):
     """A force that in the end is more than friction holds; and a callback that fails."""
+    monkeypatch.setattr(solve, "HALVINGS", 1)       # to fail sooner
     t = Parameter(0.25)
     foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(0.3))
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction={"top": CF((t, -10))})
@@ -221,7 +214,8 @@ def test_an_interrupted_first_state_leaves_an_iterate_and_no_states(monkeypatch)
 
 @pytest.mark.parametrize("count, words", [(0, "it is the first state"), (1, "the state before is kept in `states`"),
                                           (2, "the 2 states before are kept in `states`")])
-def test_a_failure_says_how_many_states_are_kept(count, words):
+def test_a_failure_says_how_many_states_are_kept(count, words, monkeypatch):
+    monkeypatch.setattr(solve, "HALVINGS", 1)       # to fail sooner
     t = Parameter(0)
     foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(0.3))
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction={"top": CF((t, -10))})
@@ -229,55 +223,6 @@ def test_a_failure_says_how_many_states_are_kept(count, words):
     with pytest.raises(NotConvergedError) as failed:
         SolveHistory(disc, parameter=t, times=[0.5, 1, 8][2 - count:])
     assert len(failed.value.states) == count and words in str(failed.value)
-
-
-def test_a_column_on_shear_springs_has_the_loop_of_a_formula():
-    """A block dragged to a, back to -a and to a again: its shear force is that of a spring in series with a friction element.
-
-    With rollers at the sides and a top of one pressure P all is homogeneous: under a shear force per area F of springs k above,
-    the top at s moves by F/k + F/mu (height 1) until F reaches mu_c P, backwards from the reversal on, with twice the range.
-    """
-    k, shear, bound, a = 50.0, 400.0, 0.3 * 20, 0.4
-    stiffness = 1 / (1 / k + 1 / shear)
-    path = [0, a, -a, a]
-    t = Parameter(0)
-    # u_x = s - F/k at the top is what a spring to a wall moved by s does: traction k s and the spring's own -k u_x.
-    wide = Foundation("bottom", NormalCompliance(STIFFNESS), friction=CoulombFriction(0.3))
-    sides = Spring(t, path, stiffness, bound)
-    problem = ContactProblem(HookeMaterial(mu=shear, lam=0.0), wide, spring={"top": (k, 0)},
-                             traction={"top": CF((k * Along(t, path), -20)), "left": CF((0, -sides)), "right": CF((0, sides))})
-    times = np.linspace(0, 3, 31)[1:]
-    history = SolveHistory(Discretization(problem, InteriorPenalty(), RectangleMesh(2)), parameter=t, times=times)
-    expected = [Loop(time, path, stiffness, bound) for time in times]
-    # Force on the body against the motion; 1e-9 the tolerance of thirty increments.
-    assert np.abs(history.forces["bottom"][:, 0] + expected).max() < 1e-9 * bound
-    # Control: at the same place on the way back the force is another one, by far.
-    assert abs(expected[4] - expected[14]) > 0.5 * bound
-
-
-def Loop(time, path, stiffness, bound):
-    """The force of a spring with a friction element in series, at a displacement that goes through `path` at 0, 1, 2, ..."""
-    force, last = 0.0, path[0]
-    for end in [*path[1:int(time) + 1], np.interp(time, range(len(path)), path)]:
-        force, last = np.clip(force + stiffness * (end - last), -bound, bound), end
-    return float(force)
-
-
-def Spring(t, path, stiffness, bound):
-    """The same as a function of t."""
-    times = sorted({*np.arange(len(path)), *Kinks(path, stiffness, bound)})
-    found = CF(Loop(times[-1], path, stiffness, bound))
-    for before, after in reversed(list(pairwise(times))):
-        a, b = (Loop(time, path, stiffness, bound) for time in (before, after))
-        found = IfPos(after - t, a + (t - before) / (after - before) * (b - a), found)
-    return found
-
-
-def Kinks(path, stiffness, bound):
-    """The times at which the element begins to slide."""
-    for number, (a, b) in enumerate(pairwise(path)):
-        begin, sign = Loop(number, path, stiffness, bound), np.sign(b - a)
-        yield number + (sign * bound - begin) / stiffness / (b - a)
 
 
 def test_no_factorisation_after_the_first_increment(monkeypatch):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import io
-import json
 import multiprocessing
 import os
 import tempfile
@@ -13,7 +12,7 @@ import warnings
 from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stderr, redirect_stdout
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from time import perf_counter
@@ -30,6 +29,7 @@ from ...problem.materials import AnisotropicMaterial, HookeMaterial
 from ...problem.problem import ContactProblem
 from ...solution.solution import ContactSolution
 from ...tools.kinds import Short
+from ..records import Recorded
 from .targets import CONTRACTS, NEEDED, SIGNATURES, Parameters, Public, Setting
 from .values import Hostile, Spoiled
 
@@ -228,19 +228,11 @@ def Attack(seed: int, numbers: Iterable[int], file: IO[str], *, limit: float = L
     `Make(seed, number)` makes one, in a process of its own, so that one that ends or hangs is noticed; Ctrl-C returns what is
     there.
     """
-    process, records = _Process(seed, Make), list[Record]()
+    process = _Process(seed, Make)
     try:
-        for number in numbers:
-            records.append(process.Attempt(number, limit))
-            file.write(json.dumps(asdict(records[-1])) + "\n")
-            file.flush()
-            if callback is not None:
-                callback(records[-1])
-    except KeyboardInterrupt:
-        pass        # what was found is the result
+        return Recorded((process.Attempt(number, limit) for number in numbers), file, callback)
     finally:
         process.Close()
-    return records
 
 
 def Tally(records: list[Record]) -> str:

@@ -17,22 +17,27 @@ from .canvas import ZONE_COLOURS
 from .regions import BoundaryFunction
 
 ARROWS = 100        # of friction in a map, about
+WIDTH = 3.5         # of a map [inch]
+HEIGHTS = 0.8, 3.0  # of a map, the least and the largest
+BESIDE = 1.6        # for title, labels and the bar of colours
 
 
 def ContactMaps(solution: ContactSolution) -> Figure:
     """Pressure, friction and zones at the points of Gamma_C, seen along its mean normal, a row for each foundation."""
     contact = solution.disc.contact
-    figure = Figure(figsize=(12, 3.9 * len(contact.parts)), layout="constrained")
-    grid = figure.subplots(len(contact.parts), 3, squeeze=False)
+    frames = [np.array(TangentFrame(contact.normals[part.points].mean(axis=0))) for part in contact.parts]
+    heights = [_Height(contact.coordinates[part.points] @ frame.T) for part, frame in zip(contact.parts, frames)]
+    figure = Figure(figsize=(12, sum(heights) + BESIDE * len(heights)), layout="constrained")
+    grid = figure.subplots(len(contact.parts), 3, squeeze=False, height_ratios=[BESIDE + height for height in heights])
     size = np.linalg.norm(solution.friction, axis=1)
-    for row, part in zip(grid, contact.parts):
+    for row, part, frame in zip(grid, contact.parts, frames):
         here = part.points
-        frame = np.array(TangentFrame(contact.normals[here].mean(axis=0)))
         for axes, values, label in ((row[0], solution.pressure, "pressure $p_n$ [stress]"),
                                     (row[1], size, "friction $|\\sigma_t|$ [stress]")):
             drawn = DrawMap(axes, solution, here, frame, array=values, cmap="viridis",
                             clim=(0, values[here].max() or 1))
-            figure.colorbar(drawn, ax=axes, label=label)
+            # Beneath, since beside a map of a long foundation it would be higher than the map.
+            figure.colorbar(drawn, ax=axes, label=label, location="bottom", aspect=30)
         along = solution.friction[here] @ frame.T
         few = slice(None, None, max(1, len(along) // ARROWS))
         if size[here].max() > 1e-12 * (np.abs(solution.traction).max() or 1):
@@ -45,6 +50,12 @@ def ContactMaps(solution: ContactSolution) -> Figure:
     figure.legend(handles=[Patch(facecolor=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)],
                   loc="outside lower right", ncols=len(ZONES), frameon=False)
     return figure
+
+
+def _Height(points: Array) -> float:
+    """Of a map of WIDTH with these points (n, 2) on equal axes [inch]."""
+    width, height = np.ptp(points, axis=0)
+    return float(np.clip(WIDTH * height / width, *HEIGHTS))
 
 
 def DrawMap(axes: Any, solution: ContactSolution, here: slice, frame: Array, *, array: Any, **style: Any) -> Any:

@@ -126,6 +126,22 @@ def test_history_figure_shows_every_step(ip):
         assert np.array_equal(residual.get_ydata(), [step.residual for step in ip.history])
 
 
+def test_bars_of_colours_are_no_higher_than_the_map_of_a_long_foundation():
+    law = Foundation("bottom", NormalCompliance(100))
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), law, dirichlet={"top": CF((0, 0, -0.02))})
+
+    def Heights(upper):
+        figure = ContactFigure(Discretization(problem, Conforming(), BoxMesh(2, cells="hex", upper=upper), order=1).Solve())
+        figure.draw_without_rendering()
+        pressure, *_, bar = (axes.get_position().height * figure.get_figheight() for axes in figure.axes)
+        return pressure, bar, figure.get_figheight()
+
+    for upper in ((12, 1, 1), (1, 12, 1)):
+        pressure, bar, _ = Heights(upper)
+        assert 0 < bar < pressure
+    assert Heights((12, 1, 1))[2] < 0.6 * Heights((1, 1, 1))[2]     # no empty paper around a narrow map
+
+
 @pytest.mark.slow
 def test_figures_of_a_solid(tmp_path):
     """The maps show the values at the contact points, the surface every face moved by its displacement."""

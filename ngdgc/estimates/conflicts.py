@@ -39,9 +39,10 @@ def _AtVertices(disc: Any, region: str, value: Any) -> tuple[np.ndarray, Array]:
     rules = {et: IntegrationRule(places, [1.0] * len(places)) for et, places in corners.items()}
     boundary = mesh.Boundaries(region)
     points = mesh.MapToAllElements(rules, boundary)
-    # Which vertex of its element a point is the coordinates tell.
+    # Which vertex of its element a point is the coordinates tell.  In place of a fourth vertex stands -1, the last of the mesh,
+    # behind the vertices of its own.
     places, own = np.asarray(Coordinates(mesh.dim)(points)).reshape(-1, 1, mesh.dim), vertices[points["nr"]]
     away = np.linalg.norm(mesh.ngmesh.Coordinates()[own, :mesh.dim] - places, axis=2)
-    own = own[np.arange(len(own)), np.where(own < 0, np.inf, away).argmin(axis=1)]
+    own = own[np.arange(len(own)), away.argmin(axis=1)]
     own, first = np.unique(own, return_index=True)
     return own, VectorsAt(value, points, f"dirichlet[{region!r}]", boundary)[first]

@@ -1,6 +1,7 @@
 """A case along its load history, on the command line."""
 
 import re
+import signal
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from ngsolve import Parameter
 
 from ngdgc import LoadHistory
 from ngdgc.cli import Main
+from ngdgc.commands import historyrun
 from ngdgc.histories import solve
 
 CASE = '''"""A block that is pressed, and then dragged."""
@@ -64,6 +66,7 @@ def test_a_case_is_led_along_its_loads(case, capsys):
     assert (out / "animation.html").stat().st_size > 1e5
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("quick")
 def test_states_before_a_failure_are_written(case, capsys, monkeypatch):
     """A block that slides away: the states before, the message, and 1."""
@@ -76,6 +79,18 @@ def test_states_before_a_failure_are_written(case, capsys, monkeypatch):
     assert code == 1 and captured.err.startswith("ngdgc: ") and captured.err.count("\n") == 1
     times = [float(line.split()[0]) for line in (out / "history.txt").read_text().splitlines()[1:]]
     assert times == [0.5, 1.0, 1.5] and (out / "series" / "history.pvd").is_file()
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("quick")
+@pytest.mark.parametrize("number, words", [(signal.SIGINT, "interrupted"), (signal.SIGTERM, "stopped by SIGTERM")])
+def test_a_history_that_is_stopped_leaves_its_states_and_the_code_of_the_signal(number, words, case, capsys, monkeypatch):
+    monkeypatch.setattr(historyrun, "_Tell", lambda increment: increment.time < 1.5 or signal.raise_signal(number))
+    out = case.parent / "results"
+    assert Main(["run", str(case), "--history", "--n", "2", "--out", str(out)]) == 128 + number
+    assert words in capsys.readouterr().err
+    times = [float(line.split()[0]) for line in (out / "history.txt").read_text().splitlines()[1:]]
+    assert times == [0.5, 1.0, 1.5] and (out / "history").exists()
 
 
 @pytest.mark.parametrize("arguments, words", [

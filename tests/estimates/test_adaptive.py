@@ -68,6 +68,8 @@ def test_what_comes_back_is_the_solution_on_the_last_mesh():
     assert before.Changed(mesh) is None and solution.earlier[0].disc.mesh is mesh
     assert solution.estimate.relative == EstimateError(solution).relative == solution.levels[-1].error <= 0.03
     assert solution.converged and solution.history[-1].residual <= 1e-10
+    # As often as it was solved on the last mesh, loosely and then to the end, its steps are counted through.
+    assert [step.number for step in solution.history] == [*range(1, solution.levels[-1].iterations + 1)]
     again = SemismoothNewtonSolver().Solve(Discretization(BLOCK, LDG(), solution.disc.mesh, order=2))
     size = np.abs(again.vector).max()
     # Equations of condition 1e6 and a law residual of 1e-10.

@@ -7,17 +7,16 @@ in 3D those of a factorisation like its powers 4/3 and 2.  With the matrix it ta
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import InnerProduct, Norm
 
-from ..contracts import Array, PreconditionerMaker
+from ..contracts import Array, Preconditioner, PreconditionerMaker
 from ..exceptions import ProblemError
-from ..mesh.facets import Threads
 from ..tools.calls import ByKeyword
 from ..tools.names import NameOf
+from ..tools.parallel import Batched
 from .multigrid import VCycle
 
 TOL = 1e-8
@@ -96,34 +95,32 @@ class IterativeInverse:
         if not (disc.method.iterative and disc.symmetric):
             raise ProblemError(f"conjugate gradients need a symmetric discontinuous method, {disc.method.name} is none; take "
                                "inverse='auto'")
-        self.mesh, self.matrix, self.tol, self.maxiter = disc.mesh, matrix, tol, maxiter
+        self.tol, self.maxiter = tol, maxiter
         self.iterations, self.solves, self.residual = 0, 0, 0.0
         # Not in NGSolve's threads, which those of LAPACK would disturb.
-        self.preconditioner = (preconditioner or VCycle)(matrix, disc.space.FreeDofs(), disc)
+        made = (preconditioner or VCycle)(matrix, disc.space.FreeDofs(), disc)
         self.own = preconditioner and NameOf(preconditioner)
-        self._b, self._x, self._r, self._z, self._p, self._q = (matrix.CreateColVector() for _ in range(6))
-        self._diagonal = sp.csr_matrix(matrix.CSR(), shape=matrix.shape).diagonal()
+        self.equations: Equations = made if preconditioner is None else Preconditioned(matrix, made)
 
+    @Batched
     def Solve(self, load: Array, *, tol: float | None = None, start: Array | None = None) -> Array:
         """A^-1 load, (ndof,) -> (ndof,), to another tolerance, or from a start (ndof,) near the solution."""
-        self._b.FV().NumPy()[:] = load
-        self._x.FV().NumPy()[:] = 0 if start is None else start
-        with Threads(self.mesh):
-            self._Iterate(self.tol if tol is None else tol)
-        return self._x.FV().NumPy().copy()
+        b = self.equations.To(load)
+        x = np.zeros_like(b) if start is None else self.equations.To(start)
+        self._Iterate(b, x, self.tol if tol is None else tol)
+        return self.equations.From(x)
 
-    def _Iterate(self, tol: float) -> None:
+    def _Iterate(self, b: Array, x: Array, tol: float) -> None:
         """Steps until the residual of x, computed afresh, is small: that of the recursion drifts away from it."""
-        b, x, r = self._b, self._x, self._r
-        size, before, left = Norm(b), np.inf, self.maxiter
+        size, before, left = np.linalg.norm(b), np.inf, self.maxiter
         self.solves += 1
         if not np.isfinite(size):
             raise ProblemError("the load is not finite; look for a division by zero in what it is made of")
         while True:
-            r.data = b - self.matrix * x
-            norm = Norm(r)
-            self.residual = norm / size if size else norm
-            if norm <= max(tol * size, ROUNDOFF * np.linalg.norm(self._diagonal * x.FV().NumPy())):
+            r = b - self.equations.Product(x)
+            norm = np.linalg.norm(r)
+            self.residual = float(norm / size if size else norm)
+            if norm <= max(tol * size, ROUNDOFF * np.linalg.norm(self.equations.diagonal * x)):
                 return
             if left == 0 or not norm < 0.5 * before:
                 causes = "a nearly incompressible material, a body that nothing holds or distorted elements"
@@ -132,19 +129,20 @@ class IterativeInverse:
                 raise ProblemError(
                     f"conjugate gradients came to a relative residual of {self.residual:.1e} instead of {tol:.1e} in "
                     f"{self.maxiter - left} steps; likely causes are {causes}; take inverse='sparsecholesky'")
-            before, left = norm, left - self._Steps(tol * size, left)
+            before, left = norm, left - self._Steps(x, r, tol * size, left)
 
-    def _Steps(self, target: float, most: int) -> int:
+    def _Steps(self, x: Array, r: Array, target: float, most: int) -> int:
         """Conjugate gradients from x with residual r until |r| <= target; the number of steps."""
-        x, r, z, p, q = self._x, self._r, self._z, self._p, self._q
-        energy, steps = None, 0
-        while Norm(r) > target and steps < most:
-            self.preconditioner.Mult(r, z)
-            new = InnerProduct(r, z)
-            p.data = z if energy is None else z + (new / energy) * p
-            energy = new
-            q.data = self.matrix * p
-            curvature = InnerProduct(p, q)
+        energy, steps = np.inf, 0
+        p, q = np.zeros_like(r), np.zeros_like(r)
+        while np.linalg.norm(r) > target and steps < most:
+            z, product = self.equations.Precondition(r)
+            new = r @ z
+            # Not a product of A with p, but the combination of what the preconditioner knows of it.
+            for vector, last in ((z, p), (product, q)):
+                last *= new / energy
+                last += vector
+            energy, curvature = new, p @ q
             # Written so that a NaN is caught as well.
             if self.own and not energy > 0:
                 raise ProblemError(f"the preconditioner {self.own} is not positive definite, r' P r is {energy:.1e}; it must "
@@ -154,8 +152,59 @@ class IterativeInverse:
                 raise ProblemError("the matrix is not positive definite (a direction of conjugate gradients has an energy of "
                                    f"{curvature:.1e}): nothing holds the body, or the penalty is too small; add dirichlet, "
                                    "roller or contact stiffness, or take a larger penalty")
-            x.data += (energy / curvature) * p
-            r.data -= (energy / curvature) * q
+            x += (energy / curvature) * p
+            r -= (energy / curvature) * q
             steps += 1
             self.iterations += 1
         return steps
+
+
+class Equations(Protocol):
+    """A x = b with a preconditioner P, for vectors in an order of its own.
+
+    diagonal : of A, in that order
+    """
+
+    diagonal: Array
+
+    def To(self, vector: Array, /) -> Array:
+        """A vector (ndof,) in that order, a new one."""
+        ...
+
+    def From(self, ordered: Array, /) -> Array:
+        """The vector (ndof,) of one in that order."""
+        ...
+
+    def Product(self, x: Array, /) -> Array:
+        """A x."""
+        ...
+
+    def Precondition(self, b: Array, /) -> tuple[Array, Array]:
+        """(z, A z) with z = P b."""
+        ...
+
+
+class Preconditioned:
+    """`Equations` with NGSolve's matrix and a preconditioner from outside, in the order of the space."""
+
+    def __init__(self, matrix: Any, preconditioner: Preconditioner) -> None:
+        self.matrix, self.preconditioner = matrix, preconditioner
+        self.diagonal = sp.csr_matrix(matrix.CSR(), shape=matrix.shape).diagonal()
+        self._source, self._target = matrix.CreateColVector(), matrix.CreateColVector()
+
+    def To(self, vector: Array) -> Array:
+        return np.array(vector, dtype=float)
+
+    def From(self, ordered: Array) -> Array:
+        return ordered
+
+    def Product(self, x: Array) -> Array:
+        self._source.FV().NumPy()[:] = x
+        self._target.data = self.matrix * self._source
+        return self._target.FV().NumPy().copy()
+
+    def Precondition(self, b: Array) -> tuple[Array, Array]:
+        self._source.FV().NumPy()[:] = b
+        self.preconditioner.Mult(self._source, self._target)
+        z = self._target.FV().NumPy().copy()
+        return z, self.Product(z)

@@ -25,12 +25,13 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import CELL, VOL, BaseMatrix, BaseVector, ConvertOperator, ElementId, H1, L2, NodeId
+from ngsolve import CELL, VOL, BaseMatrix, BaseVector, ConvertOperator, CreateVVector, ElementId, H1, L2, NodeId
 
 from ..contracts import Array, Preconditioner
 from ..mesh.facets import Facets, Native, RigidMotionsAt
 from ..tools.parallel import Batched
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
+from .elementblocks import ElementBlocks, ElementOrder
 from .solenoidal import NeedsSolenoidal, SolenoidalLevels
 
 STRONG = 0.1
@@ -147,15 +148,36 @@ def ContinuousLevels(disc: Any, matrix: sp.csr_matrix) -> tuple[sp.csr_matrix, P
     return embedding, coarse
 
 
-def VCycle(matrix: BaseMatrix, free: Any, disc: Any) -> Cycle:
+class VCycle:
     """The V-cycle for an NGSolve matrix, symmetric positive definite, on the space of a discontinuous Discretization.
 
-    It keeps `contracts.PreconditionerMaker`; `free` are all dofs.
+    It keeps `contracts.PreconditionerMaker`, and `Equations` of the module `conjugategradients`, for vectors in the order of
+    `elementblocks`; `free` are all dofs.
     """
-    mesh, dim = disc.mesh, disc.mesh.dim
-    levels = SolenoidalLevels if NeedsSolenoidal(disc) else ContinuousLevels
-    embedding, coarse = levels(disc, sp.csr_matrix(matrix.CSR(), shape=matrix.shape))
-    elements, dofs = Corners(L2(mesh, order=disc.order))
-    offsets = np.arange(dim) * (disc.space.ndof // dim)
-    blocks = Groups(np.repeat(elements, dim), (dofs[:, None] + offsets).ravel())
-    return Cycle(matrix.CreateBlockSmoother(blocks), Correction(matrix, embedding, coarse))
+
+    def __init__(self, matrix: BaseMatrix, free: Any, disc: Any) -> None:
+        mesh = disc.mesh
+        self.order = ElementOrder(L2(mesh, order=disc.order), mesh.dim)
+        levels = SolenoidalLevels if NeedsSolenoidal(disc) else ContinuousLevels
+        embedding, self._coarse = levels(disc, sp.csr_matrix(matrix.CSR(), shape=matrix.shape))
+        self._embedding = self.order.Rows(embedding)
+        self._restriction = self._embedding.T.tocsr()
+        self._source, self._target = (CreateVVector(embedding.shape[1]) for _ in range(2))
+        self._blocks = ElementBlocks(matrix, self.order)
+        self.To, self.From, self.Product = self.order.To, self.order.From, self._blocks.Product
+        self.diagonal = self._blocks.diagonal.diagonal()
+
+    def Precondition(self, b: Array) -> tuple[Array, Array]:
+        """(z, A z) with z = P b."""
+        blocks = self._blocks
+        x = blocks.Forwards(b)
+        self._source.FV().NumPy()[:] = self._restriction @ (blocks.upper @ -x)
+        self._coarse.Mult(self._source, self._target)
+        x += self._embedding @ self._target.FV().NumPy()
+        rest = b - blocks.lower @ x
+        z = blocks.Backwards(rest)
+        return z, rest + blocks.lower @ z
+
+    def Mult(self, b: BaseVector, x: BaseVector) -> None:
+        """x = P b, NGSolve vectors."""
+        x.FV().NumPy()[:] = self.From(self.Precondition(self.To(b.FV().NumPy()))[0])

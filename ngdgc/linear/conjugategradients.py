@@ -2,6 +2,8 @@
 
 Hestenes, Stiefel 1952 with the fixed V-cycle of the `multigrid` module: memory and time grow like the number of unknowns,
 in 3D those of a factorisation like its powers 4/3 and 2.  With the matrix it takes 50 bytes for each entry at the peak.
+
+All is done by one thread: what bounds it is memory, and threads that wait for each other take longer on a busy machine.
 """
 
 from __future__ import annotations
@@ -61,7 +63,7 @@ class IterativeInverse:
     Parameters
     ----------
     disc : Discretization with a symmetric discontinuous method
-    matrix : NGSolve matrix on disc.space; it is kept, and must not change
+    matrix : NGSolve matrix on disc.space; the default preconditioner has a copy, another one needs it as it is
     tol : of the Euclidean norm of the residual, |b - A x| <= tol |b|, also changed by setting the attribute or with each solve
     maxiter : largest number of steps of one solve
     preconditioner : as for `ConjugateGradients`
@@ -98,9 +100,10 @@ class IterativeInverse:
         self.tol, self.maxiter = tol, maxiter
         self.iterations, self.solves, self.residual = 0, 0, 0.0
         # Not in NGSolve's threads, which those of LAPACK would disturb.
-        made = (preconditioner or VCycle)(matrix, disc.space.FreeDofs(), disc)
+        free = disc.space.FreeDofs()
         self.own = preconditioner and NameOf(preconditioner)
-        self.equations: Equations = made if preconditioner is None else Preconditioned(matrix, made)
+        self.equations: Equations = (VCycle(matrix, free, disc) if preconditioner is None else
+                                     Preconditioned(matrix, preconditioner(matrix, free, disc)))
 
     @Batched
     def Solve(self, load: Array, *, tol: float | None = None, start: Array | None = None) -> Array:
@@ -112,14 +115,14 @@ class IterativeInverse:
 
     def _Iterate(self, b: Array, x: Array, tol: float) -> None:
         """Steps until the residual of x, computed afresh, is small: that of the recursion drifts away from it."""
-        size, before, left = np.linalg.norm(b), np.inf, self.maxiter
+        size, before, left = float(np.linalg.norm(b)), np.inf, self.maxiter
         self.solves += 1
         if not np.isfinite(size):
             raise ProblemError("the load is not finite; look for a division by zero in what it is made of")
         while True:
             r = b - self.equations.Product(x)
-            norm = np.linalg.norm(r)
-            self.residual = float(norm / size if size else norm)
+            norm = float(np.linalg.norm(r))
+            self.residual = norm / size if size else norm
             if norm <= max(tol * size, ROUNDOFF * np.linalg.norm(self.equations.diagonal * x)):
                 return
             if left == 0 or not norm < 0.5 * before:
@@ -133,11 +136,11 @@ class IterativeInverse:
 
     def _Steps(self, x: Array, r: Array, target: float, most: int) -> int:
         """Conjugate gradients from x with residual r until |r| <= target; the number of steps."""
-        energy, steps = np.inf, 0
+        energy, steps = float("inf"), 0
         p, q = np.zeros_like(r), np.zeros_like(r)
         while np.linalg.norm(r) > target and steps < most:
             z, product = self.equations.Precondition(r)
-            new = r @ z
+            new = float(r @ z)
             # Not a product of A with p, but the combination of what the preconditioner knows of it.
             for vector, last in ((z, p), (product, q)):
                 last *= new / energy

@@ -34,10 +34,10 @@ def test_steps_do_not_grow_with_the_number_of_elements():
 
 @pytest.mark.slow
 def test_without_the_coarse_space_they_do(monkeypatch):
-    """Negative control: the smoother alone takes ten times as many, and more than twice as many where h is halved."""
+    """Negative control: the smoother alone takes four times as many, and more than twice as many where h is halved."""
     monkeypatch.setattr(cycles.Aggregation, "Mult", lambda self, b, x: x.__setitem__(slice(None), 0))
     few, more = (Steps(disc, disc.matrix, maxiter=3000) for disc in (Block(BoxMesh(n)) for n in (2, 4)))
-    assert few > 300 and more > 2 * few
+    assert few > 60 and more > 2 * few
 
 
 @pytest.mark.slow
@@ -60,7 +60,7 @@ def test_orders_and_cells(mesh, order, bound):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("extent", "order"), [((10, 1, 1), 1), ((10, 10, 1), 1), ((10, 1, 1), 2)])
+@pytest.mark.parametrize(("extent", "order"), [((10, 1, 1), 1), ((20, 1, 1), 1), ((10, 10, 1), 1), ((10, 1, 1), 2)])
 def test_stretched_elements(extent, order):
     disc = Block(BoxMesh(6 if order == 1 else 3, upper=extent), order=order)
     assert Steps(disc, disc.matrix) <= 60
@@ -69,7 +69,7 @@ def test_stretched_elements(extent, order):
 @pytest.mark.slow
 def test_continuous_functions_alone_miss_stretched_elements(monkeypatch):
     monkeypatch.setattr(cycles, "STRONG", 0.0)
-    disc = Block(BoxMesh(6, upper=(10, 1, 1)))
+    disc = Block(BoxMesh(6, upper=(20, 1, 1)))
     with pytest.raises(ProblemError, match="in 150 steps"):
         IterativeInverse(disc, disc.matrix, maxiter=150).Solve(disc.load)
 
@@ -111,8 +111,7 @@ def WithModulus(E, nu):
                          ids=["layer-1e3", "layer-1e6", "inclusion-1e3", "inclusion-1e6"])
 def test_jumping_materials(E, nu):
     disc = WithModulus(E, nu)
-    # eps times the jump
-    assert Steps(disc, disc.matrix, rounding=2e-10) <= 60
+    assert Steps(disc, disc.matrix) <= 60
 
 
 @pytest.mark.slow
@@ -158,10 +157,11 @@ def test_cycle_is_symmetric_positive_definite(order, nu):
 @pytest.mark.slow
 def test_a_stiff_foundation_and_a_body_that_only_it_holds():
     disc = Block(BoxMesh(5))
-    reference = IterativeInverse(disc, WithContact(disc, 1e9))
+    stiff = WithContact(disc, 1e9)
+    reference = IterativeInverse(disc, stiff)
     u = reference.Solve(disc.load)
     assert reference.iterations <= 50 and reference.residual < 1e-6
-    exact = disc.ApplyInverse(disc.Factorise(reference.matrix), disc.load)
+    exact = disc.ApplyInverse(disc.Factorise(stiff), disc.load)
     assert np.linalg.norm(u - exact) < 1e-6 * np.linalg.norm(exact)
     body = Block(BoxMesh(5), held=False)
     for D in (1e-2, 1, 1e3):

@@ -62,7 +62,7 @@ def Nearly():
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("level", "factor"), [
-    (("SWOLLEN", np.inf), 10), (("OVER", 0), 1.8), (("OVER", 1), 1.3), (("VertexStars", Facetwise), 1.8)],
+    (("SWOLLEN", np.inf), 10), (("OVER", 0), 1.4), (("OVER", 1), 1.2), (("VertexStars", Facetwise), 1.8)],
     ids=["all", "potentials", "overcorrection", "stars"])
 def test_without_one_of_their_levels_it_takes_more_steps(monkeypatch, level, factor):
     disc, usual = Nearly()

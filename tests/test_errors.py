@@ -22,6 +22,7 @@ from mistakes.laws import LAWS
 from mistakes.meshes import MESHES
 from mistakes.problems import PROBLEMS
 from mistakes.results import RESULTS
+from mistakes.revolution import REVOLUTION
 from mistakes.saved import SAVED
 from mistakes.solvers import SOLVERS
 from mistakes.studies import STUDIES
@@ -33,8 +34,8 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw", "_Mistake")
-ROWS = (CALLS + CONTRACTS + DATA + ESTIMATES + FORCES + HISTORIES + LAWS + MESHES + PROBLEMS + RESULTS + SAVED + SOLVERS
-        + STUDIES + COMMANDS + FAILURES)
+ROWS = (CALLS + CONTRACTS + DATA + ESTIMATES + FORCES + HISTORIES + LAWS + MESHES + PROBLEMS + RESULTS + REVOLUTION + SAVED
+        + SOLVERS + STUDIES + COMMANDS + FAILURES)
 
 
 @cache

@@ -96,7 +96,7 @@ class Patches:
             elements = np.flatnonzero(counts == count)
             numbers = facets.ofelements[facets.starts[elements][:, None] + np.arange(SIDES[self.dim][count])]
             yield ElementGroup(self.mesh, self.material, TYPES[self.dim][count], elements, nodes[elements, :count], numbers,
-                               rollers[numbers], self.order, self.liftorder, extra)
+                               rollers[numbers], self.order, self.liftorder, extra, facets.frame)
 
     def _TabulateSides(self) -> None:
         """The sides of the elements, sorted by facet and element, as arrays; and where the sides of a facet begin."""

@@ -6,13 +6,15 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from ngsolve import ET, VOL, IntegrationRule, Mesh, specialcf
+from ngsolve import ET, VOL, IntegrationRule, Mesh, specialcf, x
 
 from ..contracts import Array
 from ..mesh.facets import REFERENCE_VERTICES, VOLUME_TYPES, Curved, VolumePoints
+from ..problem.frames import CARTESIAN, Cartesian
 from ..problem.materials import AnisotropicMaterial, HookeMaterial, StiffnessAt
 from ..tools.parallel import Cached
 from .reference import Reference, ReferenceElement, Shapes
+from .revolved import Revolved
 
 if TYPE_CHECKING:       # of Python 3.11
     from typing import Self
@@ -26,34 +28,37 @@ class GroupGeometry:
     elements (n,) numbers;  facets (n, s) numbers in NGSolve's local order;  rollers (n, s) True where a facet couples normal
     parts only;  vertices (n, corners) numbers;  order k;  liftorder l;  extra : degrees of quadrature beyond products of two
     functions of V_h or Q_h
-    uniform : True if neither geometry nor C varies in any element
+    uniform : True if neither geometry nor C varies in any element;  directions : of the derivatives in a strain
     """
 
     def __init__(self, mesh: Mesh, material: HookeMaterial | AnisotropicMaterial, et: ET, elements: np.ndarray,
                  vertices: np.ndarray, facets: np.ndarray, rollers: np.ndarray, order: int, liftorder: int,
-                 extra: int = 0) -> None:
-        self.et, self.dim = et, mesh.dim
+                 extra: int = 0, frame: Cartesian = CARTESIAN) -> None:
+        self.et, self.dim, self.directions = et, mesh.dim, 3 if frame.revolved else mesh.dim
         self.elements, self.facets, self.rollers = elements, facets, rollers
         self._kind, self._chosen = np.zeros(len(elements), dtype=np.int16), cast(Any, slice(None))      # or rows
         self._shapes: list[ReferenceElement] = []
         for kind, (rank, rows) in enumerate(_ByOrder(vertices)):
             self._kind[rows] = kind
-            self._shapes.append(Reference(et, rank, order, liftorder, material.bonus + extra))
+            self._shapes.append(Reference(et, rank, order, liftorder, material.bonus + extra + frame.bonus, frame.revolved))
         self.reference = self._shapes[0]
         affine = self._AffineMaps(mesh, vertices)
         points = []
-        if affine is None or material.bonus:
+        if affine is None or material.bonus or frame.revolved:
             every: list[Shapes] = [self.reference, *self.reference.facets]
             points = [self.MeshPoints(mesh, shapes) for shapes in every]
         self._geometry = self._Geometries(affine, points)
         self._boundary = self._Boundaries()
         self._stiffness = self._Stiffnesses(mesh, material, points)
-        self.uniform = affine is not None and all(C.shape[1] == 1 for C in self._stiffness)
+        if frame.revolved:
+            radii = [np.asarray(x(at.ravel())).reshape(at.shape) for at in points]
+            self._geometry, self._boundary, self._stiffness = Revolved(radii, self._geometry, self._boundary, self._stiffness)
+        self.uniform = not frame.revolved and affine is not None and all(C.shape[1] == 1 for C in self._stiffness)
 
     def Part(self, rows: np.ndarray) -> Self:
         """Some of these elements, given by their rows; what is computed for them lives as long as the part."""
         part = object.__new__(type(self))
-        part.et, part.dim, part.uniform, part._chosen = self.et, self.dim, self.uniform, rows
+        part.et, part.dim, part.directions, part.uniform, part._chosen = self.et, self.dim, self.directions, self.uniform, rows
         part._shapes, part.reference, part._geometry, part._boundary, part._stiffness = (
             self._shapes, self.reference, self._geometry, self._boundary, self._stiffness)
         part.elements, part.facets, part.rollers, part._kind = (
@@ -138,8 +143,8 @@ class GroupGeometry:
         """C_ijkl at the points of the element and of its sides, (n or 1, q or 1, i, j, k, l) each [stress]."""
         if material.bonus == 0:
             anywhere = VolumePoints(mesh, 0)[:1]
-            return [StiffnessAt(material, anywhere, self.dim)[None]] * (1 + len(self.sides))
-        return [_AtPoints(at, StiffnessAt(material, at.ravel(), self.dim)) for at in points]
+            return [StiffnessAt(material, anywhere, self.directions)[None]] * (1 + len(self.sides))
+        return [_AtPoints(at, StiffnessAt(material, at.ravel(), self.directions)) for at in points]
 
     def Geometry(self, number: int = 0) -> tuple[Array, Array]:
         """(G, volume) of the element (0) or of side number - 1."""

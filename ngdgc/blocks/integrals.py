@@ -44,26 +44,26 @@ class ElementGroup(GroupGeometry):
 
     def _Contract(self, pairs: Array, number: int) -> Array:
         """sum_jl pairs[n, q, x, j, l] C_ijkl -> (n, q, x, i, k), in the element (0) or on side number - 1; x any number."""
-        C, d = self.Stiffness(number), self.dim
-        C = C.transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], d * d, d * d)   # nqijkl -> n q (j l) (i k)
-        pairs = pairs.reshape(*pairs.shape[:3], d * d)                          # n q x (j l)
+        C, d, e = self.Stiffness(number), self.dim, self.directions
+        C = C.transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], e * e, d * d)   # nqijkl -> n q (j l) (i k)
+        pairs = pairs.reshape(*pairs.shape[:3], e * e)                          # n q x (j l)
         if C.shape[:2] == (1, 1):       # one product for all
-            return (pairs.reshape(-1, d * d) @ C[0, 0]).reshape(*pairs.shape[:3], d, d)
+            return (pairs.reshape(-1, e * e) @ C[0, 0]).reshape(*pairs.shape[:3], d, d)
         contracted = pairs @ C
         return contracted.reshape(*contracted.shape[:3], d, d)
 
     def _StressGradient(self) -> Array:
         """C_ijkl G_tl, that maps reference gradients of u_k to stresses in the element, (n, q, i, j, k, t)."""
-        C, (G, _), d = self.Stiffness(), self.Geometry(), self.dim
-        stress = C.reshape(*C.shape[:2], d ** 3, d) @ np.swapaxes(G, 2, 3)      # n q (i j k) l  @  n q l t
-        return stress.reshape(*stress.shape[:2], d, d, d, d)
+        C, (G, _), d, e = self.Stiffness(), self.Geometry(), self.dim, self.directions
+        stress = C.reshape(*C.shape[:2], d * e * d, e) @ np.swapaxes(G, 2, 3)   # n q (i j k) l  @  n q l t
+        return stress.reshape(*stress.shape[:2], d, e, d, e)[:, :, :, :d]
 
     def _EnergyDensity(self, number: int = 0) -> Array:
         """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t)."""
-        (G, _), d = self.Geometry(number), self.dim
+        (G, _), d, e = self.Geometry(number), self.dim, self.directions
         pairs = G[:, :, :, None, :, None] * G[:, :, None, :, None, :]           # G_mj G_tl, n q m t j l
-        density = self._Contract(pairs.reshape(*G.shape[:2], d * d, d, d), number)      # n q (m t) i k
-        return density.reshape(*density.shape[:2], d, d, d, d).transpose(0, 1, 4, 5, 2, 3)
+        density = self._Contract(pairs.reshape(*G.shape[:2], e * e, e, e), number)      # n q (m t) i k
+        return density.reshape(*density.shape[:2], e, e, d, d).transpose(0, 1, 4, 5, 2, 3)
 
     def _Sum(self, coefficient: Array, integrand: Table) -> Array:
         """sum_qx coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y); integrand(ReferenceElement) contains weights.
@@ -89,9 +89,9 @@ class ElementGroup(GroupGeometry):
 
     def _Gradients(self, coefficient: Array, products: Table) -> Array:
         """sum_q coefficient[n, q, i, k, m, t] products[q, (m t), (a b)] -> (n, (i, a), (k, b)), for products as below."""
-        (n, q), d = coefficient.shape[:2], self.dim
+        (n, q), d, e = coefficient.shape[:2], self.dim, self.directions
         # n i k q (m t) -> n i k (a b) -> n (i a) (k b)
-        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, d * d), products)
+        values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4, 5).reshape(n, d, d, q, e * e), products)
         return values.reshape(n, d, d, self.na, self.na).transpose(0, 1, 3, 2, 4).reshape(n, d * self.na, d * self.na)
 
     def _Pairs(self, coefficient: Array, left: Functions, right: Functions) -> Array:
@@ -113,7 +113,7 @@ class ElementGroup(GroupGeometry):
         def Products(shape: ReferenceElement) -> Array:
             here = shape if s is None else shape.facets[s]
             values = np.einsum("q,qb,qta->qtba", here.weights, left(shape), here.dv)
-            return values.reshape(len(here.weights), d, -1)
+            return values.reshape(len(here.weights), self.directions, -1)
 
         values = self._Sum(coefficient.transpose(0, 2, 3, 1, 4), Products)     # n i k (b a)
         b = left(self.reference).shape[1]
@@ -140,8 +140,10 @@ class ElementGroup(GroupGeometry):
 
     @Cached
     def rotations(self) -> Array:
-        """int (d_i u_k - d_k u_i), i < k, as functionals, (n, (k a), pairs)."""
+        """int (d_i u_k - d_k u_i), i < k, as functionals, (n, (k a), pairs); none where no rotation is free of strain."""
         G, volume = self.Geometry()
+        if self.directions > self.dim:
+            return np.zeros((len(G), self.dim * self.na, 0))
         pairs = [(i, k) for i in range(self.dim) for k in range(i + 1, self.dim)]
         curl = np.zeros((len(pairs), self.dim, self.dim))
         for number, (i, k) in enumerate(pairs):
@@ -180,7 +182,12 @@ class ElementGroup(GroupGeometry):
     def _StressOnNormal(self, s: int) -> Array:
         """n_j C_ijkl G_tl, (n, q, i, k, t)."""
         (n, _), (G, _) = self.Boundary(s), self.Geometry(1 + s)
-        return self._Contract(n[:, :, None, :, None] * G[:, :, :, None, :], 1 + s).transpose(0, 1, 3, 4, 2)
+        return self._Contract(self._Directed(n)[:, :, None, :, None] * G[:, :, :, None, :], 1 + s).transpose(0, 1, 3, 4, 2)
+
+    def _Directed(self, vectors: Array) -> Array:
+        """Vectors (n, q, d) with a component for every direction, (n, q, directions)."""
+        missing = self.directions - self.dim
+        return np.pad(vectors, ((0, 0), (0, 0), (0, missing))) if missing else vectors
 
     def _Transmit(self, s: int, coefficient: Array) -> Array:
         transmitted = self._Transmitted(s)
@@ -211,6 +218,7 @@ class ElementGroup(GroupGeometry):
     def ElasticJump(self, s: int) -> Array:
         """int_e {C sym(mu (x) n)} n.nu between transmitted parts, (n, (i b), (k b))."""
         n, measure = self.Boundary(s)
+        n = self._Directed(n)
         pairs = n[..., :, None] * (n * measure[..., None])[..., None, :]        # n_j n_l, n q j l
         return self._JumpMass(s, self._Contract(pairs[:, :, None], 1 + s)[:, :, 0])
 
@@ -273,7 +281,8 @@ class ElementGroup(GroupGeometry):
     def weightedliftmass(self) -> Array:
         """M_C, (n, (c p), (c p))."""
         _, volume = self.Geometry()
-        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, self.Stiffness(), self.basis) * volume[..., None, None]
+        plane = self.Stiffness()[:, :, :, :self.dim, :, :self.dim]
+        weighted = np.einsum("cij,nqijkl,dkl->nqcd", self.basis, plane, self.basis) * volume[..., None, None]
         return self._Pairs(weighted, _LiftFunctions, _LiftFunctions)
 
 

@@ -110,9 +110,11 @@ def _Setting(disc: Any) -> list[str]:
 def _Loads(disc: Any) -> Array:
     """The sum of tractions, forces and body force, (d,)."""
     mesh = disc.mesh
-    parts = [Integrate(value, mesh, definedon=mesh.Boundaries(region)) for (_, region), value in disc.tractions.items()]
+    Weighted = disc.problem.frame.Weighted
+    parts = [Integrate(Weighted(value), mesh, definedon=mesh.Boundaries(region))
+             for (_, region), value in disc.tractions.items()]
     if disc.problem.bodyforce is not None:
-        parts.append(Integrate(disc.problem.bodyforce, mesh))
+        parts.append(Integrate(Weighted(disc.problem.bodyforce), mesh))
     return np.sum([np.zeros(mesh.dim), *map(np.array, parts)], axis=0)
 
 

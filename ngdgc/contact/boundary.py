@@ -77,7 +77,8 @@ class ContactBoundary:
         self.weights = cast(Array, np.bincount(self.members, weights))
         mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))   # n, pairs
         _, number = np.unique(self.boundaryelements, return_inverse=True)
-        self.measures = mean @ np.bincount(number, weights)[number]
+        plain = facets.measure[facets.boundary[0][self.boundaryelements]]
+        self.measures = mean @ (plain if facets.frame.revolved else np.bincount(number, weights)[number])
         directions = [LawNormals(foundation, part, facets.mesh.Boundaries(foundation.boundary))
                       for foundation, part in zip(problem.foundation, parts)]
         self.outward, self.normals = Unit(mean @ normals), Unit(mean @ np.concatenate(directions))

@@ -24,7 +24,9 @@ def Faces(facets: Facets, foundation: Foundation, rules: Any, pieces: Pieces | N
     there is no other one.
     """
     if foundation.kind != "joint":
-        return [BoundaryQuadrature.On(facets, foundation.boundary, rules, pieces=pieces)]
+        quadrature = BoundaryQuadrature.On(facets, foundation.boundary, rules, pieces=pieces)
+        # On the axis of a body of revolution a point stands for no area.
+        return [quadrature if quadrature.weights.all() else quadrature.At(np.flatnonzero(quadrature.weights))]
     if facets.doubled is None:
         first = np.where(facets.interfaces.sign > 0, 0, 1)
         return [BoundaryQuadrature.On(facets, foundation.boundary, rules, side=side, pieces=pieces)

@@ -16,6 +16,7 @@ from ..mesh.checks import CheckBoundary, CheckElements, CheckSides
 from ..mesh.facets import Facets, SecondOrder, VolumePoints
 from ..mesh.quadrature import BoundaryQuadrature
 from ..problem.problem import ContactProblem
+from .section import CheckSection, OnAxis
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
 # A roller prescribes the normal component only, so a tangential traction may act there; springs take up what they are given.
@@ -29,6 +30,8 @@ def CheckMesh(problem: ContactProblem, mesh: Any) -> None:
     if mesh.dim not in (2, 3) or mesh.ne == 0:
         raise ProblemError(f"the mesh has dimension {mesh.dim} and {mesh.ne} volume elements; "
                            "a contact problem needs a mesh of an area in 2D or a volume in 3D")
+    if problem.axisymmetric:
+        CheckSection(mesh)
     if problem.dim not in (None, mesh.dim):
         raise ProblemError(f"the mesh has dimension {mesh.dim}, the data of the problem have {problem.dim} "
                            "components; give both the same dimension")
@@ -51,6 +54,9 @@ def CheckRegions(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
                                    f"{region!r}; the parts of the boundary must not overlap: give it to one of them")
         found.append((kind, region, on))
         CheckBoundary(facets, region)
+        if problem.axisymmetric and np.any(on & OnAxis(facets)):
+            raise ProblemError(f"{kind} region {region!r} lies on the axis of the body, which is no part of its surface: "
+                               "nothing is given there, u_r = 0 by nature; leave it out, or name the rest alone")
         if kind == "joint":
             if np.any(facets.neighbours[on] < 2):
                 raise ProblemError(f"joint region {region!r} contains facets of the outer boundary; a joint lies between two "

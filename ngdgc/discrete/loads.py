@@ -19,13 +19,15 @@ from .checks import CheckPart
 def GivenTractions(problem: ContactProblem, space: FESpace) -> dict[tuple[str, str], CoefficientFunction]:
     """{(kind, region): vector} on Gamma_F [stress]: tractions as they are given, forces over their areas."""
     found = {("traction", region): value for region, value in problem.traction.items()}
-    return found | {("force", region): value / _Area(region, space) for region, value in problem.force.items()}
+    return found | {("force", region): value / _Area(problem, region, space)
+                    for region, value in problem.force.items()}
 
 
-def _Area(region: str, space: FESpace) -> float:
+def _Area(problem: ContactProblem, region: str, space: FESpace) -> float:
     """Of a region, as loads of the space are integrated: a force over it has its total to round-off."""
     v, dim = space.TestFunction(), space.mesh.dim
-    return float(ProjectedMotions(space, np.zeros(dim))[0] @ Coefficients(CF((1,) * dim) * v * _Measure(region, space)))
+    return float(ProjectedMotions(space, np.zeros(dim))[0] @ Coefficients(
+        problem.frame.Integral(CF((1,) * dim) * v, _Measure(region, space))))
 
 
 def _Measure(region: str, space: FESpace) -> Any:
@@ -35,11 +37,12 @@ def _Measure(region: str, space: FESpace) -> Any:
 def Loads(disc: Any) -> dict[tuple[str, str | None], Array]:
     """Coefficients {(kind, region): (ndof,)} of the loads of a DiscreteProblem; ProblemError if one is not finite."""
     v, problem, space = disc.space.TestFunction(), disc.problem, disc.space
+    Integral = problem.frame.Integral
     loads: dict[tuple[str, str | None], Array] = {}
     if problem.bodyforce is not None:
-        loads["bodyforce", None] = Coefficients(Unfolded(problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
+        loads["bodyforce", None] = Coefficients(Integral(Unfolded(problem.bodyforce) * v, dx(bonus_intorder=LOADBONUS)))
     for (kind, region), value in disc.tractions.items():
-        loads[kind, region] = Coefficients(ForFacets(value, kind, region, disc.mesh) * v * _Measure(region, space))
+        loads[kind, region] = Coefficients(Integral(ForFacets(value, kind, region, disc.mesh) * v, _Measure(region, space)))
     if disc.added.load is not None:
         loads["added", None] = disc.added.load
     for region, load in disc.form.Prescribed().items():

@@ -68,7 +68,7 @@ class DiscreteProblem(LinearEquations):
         self.method: Any = method
         self.problem, self.given, self.order, self.assembly = problem, mesh, order, assembly
         self.wanted = inverse
-        self.facets = Facets(mesh, problem.joints)
+        self.facets = Facets(mesh, problem.joints, frame=problem.frame)
         CheckJoints(problem, method, mesh, assembly)
         CheckRegions(problem, mesh, self.facets)
         if problem.joints and not method.discontinuous:

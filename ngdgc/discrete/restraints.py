@@ -73,7 +73,7 @@ def Supports(problem: ContactProblem, facets: Facets, contact: ContactBoundary) 
     A motion is resisted where the displacement it causes is prescribed, on all components or on the normal one; a
     foundation resists normal motion where its pressure at some depth is positive, and tangential motion where friction is.
     """
-    parts, modes = facets.component.max() + 1, len(RigidMotionsAt(np.zeros((1, facets.mesh.dim))))
+    parts, modes = facets.component.max() + 1, _Modes(facets)
     held, touched = np.zeros((2, parts, modes, modes))
     for kind, region in problem.Regions():
         if kind in ("dirichlet", "roller"):
@@ -134,7 +134,8 @@ def Springs(facets: Facets, space: FESpace, matrix: sp.csr_matrix) -> Array:
     for part, centre in enumerate(centres):
         here.vec.FV().NumPy()[:] = facets.component == part
         modes: list[Array] = []
-        for mode, shift in zip(RigidMotions(dim), RigidMotionsAt(centre[None])):
+        rigid = [*zip(RigidMotions(dim), RigidMotionsAt(centre[None]))][facets.frame.rigid]
+        for mode, shift in rigid:
             turning = len(modes) >= dim
             modes.append(Projected(space, here * ((mode - CF(tuple(shift[0]))) / size if turning else mode)))
         gram = np.array(modes) @ (matrix @ np.array(modes).T)
@@ -146,6 +147,11 @@ def Springs(facets: Facets, space: FESpace, matrix: sp.csr_matrix) -> Array:
     return np.array(grams)
 
 
+def _Modes(facets: Facets) -> int:
+    """How many rigid motions there are."""
+    return len(RigidMotionsAt(np.zeros((1, facets.mesh.dim)))[facets.frame.rigid])
+
+
 def _Null(gram: Array) -> Array:
     values, vectors = np.linalg.eigh(gram)
     return vectors[:, values <= 1e-10 * np.trace(gram)].T
@@ -155,7 +161,7 @@ def _CentredMotions(facets: Facets, coordinates: Array, elements: np.ndarray) ->
     """Rigid motions of every connected part at points in elements, (parts, modes, n, d), scaled to the size of the body."""
     centres, size = _Centres(facets)
     parts = facets.component[elements]
-    motions = RigidMotionsAt((coordinates - centres[parts]) / size)
+    motions = RigidMotionsAt((coordinates - centres[parts]) / size)[facets.frame.rigid]
     return np.array([motions * (parts == part)[None, :, None] for part in range(len(centres))])
 
 
@@ -174,13 +180,15 @@ def _Words(null: Array, facets: Facets, part: int) -> str:
     """Words for a basis of free motions, over translations and rotations."""
     dim = facets.mesh.dim
     centre = _Centres(facets)[0][part]
-    modes = len(RigidMotionsAt(np.zeros((1, dim))))
+    modes = _Modes(facets)
     if null.shape[1] > modes:       # of all parts at once: the part that moves most
         part = int(np.argmax((null.reshape(len(null), -1, modes) ** 2).sum(axis=(0, 2))))
         null = null[:, part * modes:(part + 1) * modes]
         centre = _Centres(facets)[0][part]
     words = [f"translation along {axis}" for axis in "xyz"[:dim]]
-    if dim == 2:
+    if facets.frame.revolved:
+        words = ["translation along the axis"]
+    elif dim == 2:
         words.append(f"rotation about ({centre[0]:.3g}, {centre[1]:.3g})")
     else:
         words += [f"rotation about an axis along {axis} through ({', '.join(f'{c:.3g}' for c in centre)})" for axis in "xyz"]

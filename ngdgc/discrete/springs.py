@@ -17,6 +17,6 @@ def SpringMatrices(problem: ContactProblem, space: FESpace) -> dict[str, Any]:
     with Threads(space.mesh):
         for region in problem.spring:
             measure = ds(skeleton=True, definedon=space.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-            form = BilinearForm(SpringPull(problem, region, u, space.mesh) * v * measure)
+            form = BilinearForm(problem.frame.Integral(SpringPull(problem, region, u, space.mesh) * v, measure))
             found[region] = Csr(form.Assemble().mat).copy()
     return found

@@ -73,6 +73,7 @@ def Adapt(disc: Discretization, *, tol: float, goal: Any, most: int, callback: A
     words = f"SolveAdaptive(order={disc.order}, tol={tol:g}, goal={goal!r})"
     run = _Run(tol=tol, law=law, Measure=Measure(goal), most=most, callback=callback, words=words)
     CheckRefinable(disc.mesh)
+    disc.problem.frame.Refuse("SolveAdaptive")
     reached = run.First(disc)
     while not run.Tell(reached):
         reached = run.Next(reached)

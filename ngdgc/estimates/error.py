@@ -84,6 +84,7 @@ def _Check(solution: Any) -> None:
                            "FacetForm, as all methods of ngdgc have it")
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
+    disc.problem.frame.Refuse("EstimateError")
     RefuseHistories(disc)
     if disc.added:
         raise ProblemError("forms were added, whose forces the numerical flux does not know; errors are estimated of problems "

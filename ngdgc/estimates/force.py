@@ -113,6 +113,7 @@ def _Check(solution: Any) -> None:
         raise ProblemError(f"the solution is of order {disc.order}, the highest one, and errors of forces are estimated by the "
                            f"next; take order {disc.order - 1}")
     RefuseJoints(disc.problem)
+    disc.problem.frame.Refuse("EstimateForce")
     RefuseHistories(disc)
     if disc.added:
         raise ProblemError("forms were added, which are not known on the space of the next order; errors of forces are "

@@ -12,7 +12,7 @@ from ..contracts import Array
 from ..data.coefficients import ForFacets, OnFacets, Unfolded
 from ..exceptions import ProblemError
 from ..mesh.facets import Curved, Projected, Threads
-from ..methods.symbolform import OtherStrain
+from ..problem.frames import CARTESIAN
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefuseSprings, Relative
@@ -55,6 +55,7 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     disc = solution.disc
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
+    disc.problem.frame.Refuse("ResidualEstimate")
     RefuseHistories(disc)
     if disc.added:
         raise ProblemError("the solution has added forms, whose forces are no tractions on facets that could be compared; "
@@ -118,7 +119,7 @@ class _Residuals:
             traction = self.stress * self.n - facets.orientation * self.solution.flux
             total = self._OnSides(self._Traction(traction, *self.own), ~contact & ~given)
         else:
-            other = self.material.OtherStress(OtherStrain(self.u))
+            other = self.material.OtherStress(CARTESIAN.OtherStrain(self.u))
             total = self._BetweenElements(lambda *side: self._Traction((self.stress - other) * self.n / 2, *side))
             free = outer & ~contact & ~given & ~self._On(problem.dirichlet)
             total += self._OnSides(self._Traction(Free(self.stress * self.n), *self.own), free)

@@ -38,6 +38,7 @@ def EstimateZones(solution: Any) -> dict[str, float]:
     """
     CheckSolution(solution)
     RefuseJoints(solution.disc.problem)
+    solution.disc.problem.frame.Refuse("EstimateZones")
     RefuseHistories(solution.disc)
     with solution.state.Restored():
         fine, first, second = _Labels(solution)

@@ -44,7 +44,7 @@ def Doubled(facets: Facets) -> Facets:
     doubled = Mesh(copy)
     if mesh.GetCurveOrder() > 1:
         doubled.Curve(mesh.GetCurveOrder())
-    return Facets(doubled, facets.joints, np.array([first, len(number) + np.arange(len(first))]))
+    return Facets(doubled, facets.joints, np.array([first, len(number) + np.arange(len(first))]), facets.frame)
 
 
 def _Copies(facets: Facets) -> tuple[Any, Array]:

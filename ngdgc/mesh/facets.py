@@ -14,6 +14,7 @@ from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, Bas
 from ngsolve.la import SparseMatrixd
 
 from ..contracts import Array
+from ..problem.frames import CARTESIAN, Cartesian
 from .components import Components
 from .interfaces import Interfaces
 
@@ -114,10 +115,13 @@ class Facets:
 
     joints : their regions
     doubled : (2, n), boundary elements of their first and second sides where a mesh has its nodes `doubling.Doubled`; or None
+    frame : in which integrals over the mesh are those over the body;  |e| and h_e are those of the mesh
     """
 
-    def __init__(self, mesh: Mesh, joints: Iterable[str] = (), doubled: np.ndarray | None = None) -> None:
+    def __init__(self, mesh: Mesh, joints: Iterable[str] = (), doubled: np.ndarray | None = None,
+                 frame: Cartesian = CARTESIAN) -> None:
         self.mesh, self.space, self.joints, self.doubled = mesh, FacetFESpace(mesh, order=0), tuple(joints), doubled
+        self.frame = frame
         # The dofs of this space are the sides of the elements, in the elements' local order.
         v, number = Discontinuous(self.space).TestFunction(), self.Function(np.arange(self.space.ndof))
         with Threads(mesh):

@@ -22,8 +22,8 @@ class BoundaryQuadrature:
     """Points of a quadrature rule on a boundary region, n points in d dimensions.
 
     `points` are NGSolve mesh points on the boundary and `inside` the same points in the adjacent volume elements;
-    `coordinates` (n, i), `normals` (n, i) outward, `weights` (n,) contain the surface measure; `elements` (n,) is the
-    number of the adjacent volume element, `boundaryelements` (n,) of the boundary element.
+    `coordinates` (n, i), `normals` (n, i) outward, `weights` (n,) contain the surface measure of the body; `elements` (n,) is
+    the number of the adjacent volume element, `boundaryelements` (n,) of the boundary element.
     """
 
     points: np.ndarray
@@ -85,6 +85,8 @@ class BoundaryQuadrature:
         if apart > SAME * np.abs(coordinates).max(initial=0):
             raise ProblemError(f"boundary elements of region {region!r} lie up to {apart:.3g} off the sides of their elements; "
                                "both must have the same points in the middle of edges: make the mesh again, or take Curve")
+        trapezoidal = isinstance(rules, dict) and dim == 2 and len(rules[SEGM]) == 2
+        weights = facets.frame.Weights(weights, coordinates, trapezoidal)
         return cls(points=points, inside=inside, weights=weights, coordinates=coordinates,
                    normals=normals / np.linalg.norm(normals, axis=1)[:, None])
 

@@ -135,7 +135,7 @@ class FacetForm:
         data = {}
         for region, value in values.items():
             measure = ds(skeleton=True, definedon=operators.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-            moments = LinearForm(value * mu * measure).Assemble().vec.FV().NumPy()
+            moments = LinearForm(problem.frame.Integral(value * mu, measure)).Assemble().vec.FV().NumPy()
             data[region] = np.zeros(len(moments))
             for patch in operators.FacetPatches(operators.facets.On(region)):
                 dofs = operators.FacetDofs(patch.facets)

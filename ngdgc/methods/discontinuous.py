@@ -96,7 +96,7 @@ class DiscontinuousGalerkin(BrokenSpace, ABC):
                                  "guarantee": guarantee}
         if assembly == "facet":
             return FacetForm(problem, space, operators, rule=rule, eta=eta, **terms)
-        parts: list[Part] = [Interior(problem.material, facets.mesh, rule),
+        parts: list[Part] = [Interior(problem, facets.mesh, rule),
                  *(Clamped(problem, facets, rule, region) for region in problem.dirichlet),
                  *(Roller(problem, facets, rule, region) for region in problem.roller)]
         if self.form == "edge" and not self.globallift and eta is None:

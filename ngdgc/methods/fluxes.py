@@ -46,7 +46,7 @@ def Flux(solution: Any) -> GridFunction:
     given += [(region, -SpringPull(disc.problem, region, solution.gfu, disc.mesh)) for region in disc.problem.spring]
     for region, traction in given:
         measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-        moments = LinearForm(traction * mu * measure).Assemble().vec.FV().NumPy()
+        moments = LinearForm(disc.problem.frame.Integral(traction * mu, measure)).Assemble().vec.FV().NumPy()
         for patch in operators.FacetPatches(disc.facets.On(region), weak=False):
             dofs = operators.FacetDofs(patch.facets)
             values[dofs] += operators.Apply(operators.inversemass(patch.sides[0]), moments[dofs][..., None])[..., 0]

@@ -72,8 +72,9 @@ def LargestEigenvalues(upper: Array, group: ElementGroup) -> Array:
     moving = np.any(np.diagonal(lower, axis1=1, axis2=2) > 0, axis=0)
     select = np.ix_(np.arange(len(lower)), np.flatnonzero(moving), np.flatnonzero(moving))
     upper, lower, rotations = upper[select], lower[select], rotations[:, moving]
-    scale = np.trace(lower, axis1=1, axis2=2) / np.square(rotations).sum(axis=(1, 2))
-    lower = lower + scale[:, None, None] * rotations @ np.swapaxes(rotations, 1, 2)
+    if rotations.shape[2]:
+        scale = np.trace(lower, axis1=1, axis2=2) / np.square(rotations).sum(axis=(1, 2))
+        lower = lower + scale[:, None, None] * rotations @ np.swapaxes(rotations, 1, 2)
     try:
         factor = np.linalg.inv(np.linalg.cholesky(lower))
     except np.linalg.LinAlgError as error:

@@ -14,14 +14,15 @@ from collections.abc import Sequence
 from typing import Any, Protocol, cast
 
 import numpy as np
-from ngsolve import (BaseMatrix, BilinearForm, CoefficientFunction, FacetFESpace, FESpace, Grad, GridFunction, InnerProduct,
-                     LinearForm, Mesh, Sym, ds, dx, specialcf)
+from ngsolve import (BaseMatrix, BilinearForm, CoefficientFunction, FacetFESpace, FESpace, GridFunction, InnerProduct,
+                     IntegrationRule, LinearForm, Mesh, ds, dx, specialcf)
 
 from ..contracts import Array
 from ..data.coefficients import OnFacets
 from ..mesh.checks import CheckSkeleton
-from ..mesh.facets import Curved, Facets, Threads
-from ..problem.materials import AnisotropicMaterial, HookeMaterial, Strain
+from ..mesh.facets import VOLUME_TYPES, Curved, Facets, Threads
+from ..problem.frames import Cartesian
+from ..problem.materials import AnisotropicMaterial, HookeMaterial
 from ..problem.problem import ContactProblem
 from .guarantee import Guarantee
 
@@ -34,25 +35,38 @@ class TensorPenalty(Protocol):
     def Boundary(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction: ...
 
 
-def OtherStrain(u: CoefficientFunction) -> CoefficientFunction:
-    """eps(u) of the neighbour, of a trial or test function or a GridFunction."""
-    return Sym(Grad(u).Other()) if isinstance(u, GridFunction) else Strain(u.Other())
+class FacetPart:
+    """A set of facets of E0: its measure, the material around and the frame."""
+
+    frame: Cartesian
+    material: HookeMaterial | AnisotropicMaterial
+    measure: Any
+    n: CoefficientFunction
+
+    def Integral(self, integrand: CoefficientFunction) -> Any:
+        """The integral over these facets."""
+        return self.frame.Integral(integrand, self.measure)
+
+    def Stress(self, u: CoefficientFunction) -> CoefficientFunction:
+        """The stress in the plane of the mesh, (d, d)."""
+        return self.frame.Plane(self.material.Stress(self.frame.Strain(u)))
 
 
-class Interior:
+class Interior(FacetPart):
     """Facets between two elements."""
 
     region, value = None, None
 
-    def __init__(self, material: HookeMaterial | AnisotropicMaterial, mesh: Mesh, penalty: TensorPenalty | None) -> None:
-        self.material, self.penalty, self.n = material, penalty, specialcf.normal(mesh.dim)
-        self.measure = dx(skeleton=True, bonus_intorder=material.bonus)
+    def __init__(self, problem: ContactProblem, mesh: Mesh, penalty: TensorPenalty | None) -> None:
+        self.frame, self.material, self.penalty, self.n = problem.frame, problem.material, penalty, specialcf.normal(mesh.dim)
+        self.measure = dx(skeleton=True, bonus_intorder=self.material.bonus + self.frame.bonus)
 
     def Jump(self, u: CoefficientFunction) -> CoefficientFunction:
         return u - u.Other()
 
     def Mean(self, u: CoefficientFunction) -> CoefficientFunction:
-        return 0.5 * (self.material.Stress(Strain(u)) + self.material.OtherStress(OtherStrain(u))) * self.n
+        other = self.frame.Plane(self.material.OtherStress(self.frame.OtherStrain(u)))
+        return 0.5 * (self.Stress(u) + other) * self.n
 
     def MeanOf(self, q: CoefficientFunction) -> CoefficientFunction:
         """{q} n for a symmetric matrix q."""
@@ -66,16 +80,18 @@ class Interior:
         return self.Mean(u) - self.Penalty(self.Jump(u))
 
 
-class Clamped:
+class Clamped(FacetPart):
     """Boundary facets with all components prescribed."""
 
     kind = "dirichlet"
 
     def __init__(self, problem: ContactProblem, facets: Facets, penalty: TensorPenalty | None, region: str) -> None:
         CheckSkeleton(facets)
-        mesh, self.material, self.penalty, self.region = facets.mesh, problem.material, penalty, region
+        mesh, self.frame, self.material = facets.mesh, problem.frame, problem.material
+        self.penalty, self.region = penalty, region
         self.n = specialcf.normal(mesh.dim)
-        self.measure = ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=self.material.bonus)
+        bonus = self.material.bonus + self.frame.bonus
+        self.measure = ds(skeleton=True, definedon=mesh.Boundaries(region), bonus_intorder=bonus)
         self.value = self._Prescribed(OnFacets(problem, self.kind, region, mesh))
 
     def _Prescribed(self, value: Any) -> CoefficientFunction:
@@ -85,7 +101,7 @@ class Clamped:
         return u
 
     def Mean(self, u: CoefficientFunction) -> CoefficientFunction:
-        return self.material.Stress(Strain(u)) * self.n
+        return self.Stress(u) * self.n
 
     def MeanOf(self, q: CoefficientFunction) -> CoefficientFunction:
         return q * self.n
@@ -138,8 +154,7 @@ class SkeletonForm:
     def __init__(self, problem: ContactProblem, space: FESpace, parts: Sequence[Part], *, guarantee: Guarantee,
                  theta: int = 1) -> None:
         self.material, self.space, self.parts, self.theta = problem.material, space, parts, theta
-        # NGSolve lowers the degree where derivatives of polynomials are integrated, which they are not on curved elements.
-        self.volume = dx(bonus_intorder=problem.material.bonus + (2 if Curved(space.mesh) else 0))
+        self.frame, self.volume = problem.frame, _Volume(problem, space)
         self.guarantee = guarantee
 
     def Matrix(self) -> BaseMatrix:
@@ -155,25 +170,30 @@ class SkeletonForm:
         self._AddPenalty(form)
         return form.Assemble().mat
 
+    def Elastic(self, u: Any, v: Any) -> Any:
+        """The integral of C eps(u):eps(v) over the elements, of functions of any space."""
+        strain = self.frame.Strain
+        return self.frame.Integral(InnerProduct(self.material.Stress(strain(u)), strain(v)), self.volume)
+
     def _Energy(self) -> BilinearForm:
         u, v = self.space.TnT()
         form = BilinearForm(self.space)
-        form += InnerProduct(self.material.Stress(Strain(u)), Strain(v)) * self.volume
+        form += self.Elastic(u, v)
         return form
 
     def _AddConsistency(self, form: BilinearForm) -> None:
         u, v = self.space.TnT()
         # One integral a term: NGSolve takes four times as long for their sum in one integral.
         for part in self.parts:
-            form += -part.Jump(v) * part.Mean(u) * part.measure
+            form += part.Integral(-part.Jump(v) * part.Mean(u))
             if self.theta:
-                form += -self.theta * part.Jump(u) * part.Mean(v) * part.measure
+                form += part.Integral(-self.theta * part.Jump(u) * part.Mean(v))
 
     def _AddPenalty(self, form: BilinearForm) -> None:
         u, v = self.space.TnT()
         for part in self.parts:
             if part.penalty:
-                form += part.Penalty(part.Jump(u)) * part.Jump(v) * part.measure
+                form += part.Integral(part.Penalty(part.Jump(u)) * part.Jump(v))
 
     def Prescribed(self) -> dict[str, Array]:
         """The load of weakly prescribed displacements, {region: (ndof,)}.
@@ -181,21 +201,32 @@ class SkeletonForm:
         With the quadrature of the form itself, so that polynomial solutions are returned on any mesh.
         """
         v = self.space.TestFunction()
-        return {part.region: Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure
-                                          - self.theta * part.value * part.Mean(v) * part.measure)
+        return {part.region: Coefficients(part.Integral(part.Penalty(part.value) * part.Jump(v))
+                                          - part.Integral(self.theta * part.value * part.Mean(v)))
                 for part in self.parts if part.region is not None}
 
     def PrescribedEnergy(self) -> float:
         """<P(w_D), w_D>, what the penalty of prescribed displacements is to the body at rest [stress length^d]."""
         constant = FacetFESpace(self.space.mesh, order=0).TestFunction()
-        return sum(float(np.sum(Coefficients(part.Penalty(part.value) * part.value * constant * part.measure)))
+        return sum(float(np.sum(Coefficients(part.Integral(part.Penalty(part.value) * part.value * constant))))
                    for part in self.parts if part.region is not None)
 
     def Fluxes(self, gfu: GridFunction) -> dict[str | None, Array]:
         """The numerical flux tested on each set of facets, {region, or None between elements: (ndof,)}."""
         v = self.space.TestFunction()
-        return {part.region: Coefficients(part.Flux(gfu) * (part.Jump(v) if part.region is None else v) * part.measure)
+        return {part.region: Coefficients(part.Integral(part.Flux(gfu) * (part.Jump(v) if part.region is None else v)))
                 for part in self.parts}
+
+
+def _Volume(problem: ContactProblem, space: FESpace) -> Any:
+    """dx, with a quadrature for C eps(u):eps(v)."""
+    bonus = problem.material.bonus
+    if not problem.frame.revolved:
+        # NGSolve lowers the degree where derivatives of polynomials are integrated, which they are not on curved elements.
+        return dx(bonus_intorder=bonus + (2 if Curved(space.mesh) else 0))
+    # u_r v_r/r is no polynomial: the rules of the blocks, so that both assemblies have the same value for it.
+    degree = 2 * space.globalorder + bonus + problem.frame.bonus
+    return dx(intrules={et: IntegrationRule(et, degree) for et in VOLUME_TYPES[space.mesh.dim]})
 
 
 def Coefficients(integral: Any) -> Array:

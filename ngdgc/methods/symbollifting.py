@@ -21,7 +21,6 @@ from ngsolve import (VOL, BaseMatrix, BilinearForm, CoefficientFunction, Element
 
 from ..contracts import Array
 from ..mesh.facets import Csr, Facets, Native
-from ..problem.materials import Strain
 from ..problem.problem import ContactProblem
 from .guarantee import Guarantee
 from .symbolform import Coefficients, Part, SkeletonForm
@@ -70,9 +69,9 @@ class LiftedSkeletonForm(SkeletonForm):
                 if self.lifted:
                     load = load + self.theta * (self._R.T @ (self._inverse @ self._Sum(data)))
                 else:
-                    load = load - self.theta * Coefficients(part.value * part.Mean(v) * part.measure)
+                    load = load - self.theta * Coefficients(part.Integral(part.value * part.Mean(v)))
                 if part.penalty:
-                    load = load + Coefficients(part.Penalty(part.value) * part.Jump(v) * part.measure)
+                    load = load + Coefficients(part.Integral(part.Penalty(part.value) * part.Jump(v)))
                 loads[part.region] = load
         return loads
 
@@ -89,10 +88,10 @@ class LiftedSkeletonForm(SkeletonForm):
             if self.lifted:
                 flux = flux - self._Sum(own).T @ (self._inverse @ (self._R @ vector))
             else:
-                flux = flux + Coefficients(part.Mean(gfu) * part.Jump(v) * part.measure)
+                flux = flux + Coefficients(part.Integral(part.Mean(gfu) * part.Jump(v)))
             if part.penalty:
                 jump = part.Jump(gfu) if part.region is None else part.Jump(gfu) - part.value
-                flux = flux - Coefficients(part.Penalty(jump) * part.Jump(v) * part.measure)
+                flux = flux - Coefficients(part.Integral(part.Penalty(jump) * part.Jump(v)))
             tested[part.region] = flux
         return tested
 
@@ -104,7 +103,7 @@ class LiftedSkeletonForm(SkeletonForm):
         for part in self.parts:
             for colour, indicator in enumerate(self._indicators):
                 form = BilinearForm(trialspace=self.space, testspace=self.liftings)
-                form += -indicator * (part.Jump(v) * part.MeanOf(q)) * part.measure
+                form += part.Integral(-indicator * (part.Jump(v) * part.MeanOf(q)))
                 found[part.region, colour] = Csr(form.Assemble().mat)
         return found
 
@@ -119,7 +118,7 @@ class LiftedSkeletonForm(SkeletonForm):
                 continue
             for indicator in self._indicators:
                 form = BilinearForm(trialspace=constants, testspace=self.liftings)
-                form += -indicator * one * (part.value * part.MeanOf(q)) * part.measure
+                form += part.Integral(-indicator * one * (part.value * part.MeanOf(q)))
                 found[part.region].append(Csr(form.Assemble().mat) @ np.ones(constants.ndof))
         return found
 
@@ -166,13 +165,14 @@ class LiftedSkeletonForm(SkeletonForm):
     def _R(self) -> sp.csr_matrix:
         u, q = self.space.TrialFunction(), self.liftings.TestFunction()
         form = BilinearForm(trialspace=self.space, testspace=self.liftings)
-        form += InnerProduct(self.material.Stress(Strain(u)), q) * self.volume
+        stress = self.frame.Plane(self.material.Stress(self.frame.Strain(u)))
+        form += self.frame.Integral(InnerProduct(stress, q), self.volume)
         return Csr(form.Assemble().mat)
 
     def _Mass(self, stress: Callable[[CoefficientFunction], CoefficientFunction]) -> sp.csr_matrix:
         p, q = self.liftings.TnT()
         form = BilinearForm(self.liftings)
-        form += InnerProduct(stress(p), q) * dx(bonus_intorder=self.material.bonus)
+        form += self.frame.Integral(InnerProduct(stress(p), q), dx(bonus_intorder=self.material.bonus + self.frame.bonus))
         return Csr(form.Assemble().mat)
 
     @cached_property

@@ -16,6 +16,7 @@ from ..tools.formula import Described
 from ..tools.units import CheckUnits
 from ..tools.values import IsNumber
 from .foundation import Foundation
+from .frames import CARTESIAN, CYLINDRICAL, Cartesian
 from .materials import AnisotropicMaterial, HookeMaterial
 
 
@@ -36,6 +37,9 @@ class ContactProblem:
         component; a traction or a force may act there too
     bodyforce : vector f_1 [stress/length] or None
     units : (length, stress) of all data, such as ("mm", "MPa"), for the words of figures and reports; nothing is converted
+    axisymmetric : True for a body of revolution, whose plane mesh is half of its section, x = r >= 0 and y = z (`frames`
+        module); vectors are (r, z), a `force` and all results are those of the whole ring.  On the axis, which is no boundary
+        of the body, u_r = 0 by nature: nothing is given there
 
     Regions are NGSolve's regular expressions over boundary names ("left|bottom").  Boundaries that are not named are
     free.  Vectors are CoefficientFunctions, or tuples, with d components.
@@ -59,6 +63,7 @@ class ContactProblem:
     force: Any = None
     spring: Any = None
     units: Any = None
+    axisymmetric: bool = False
     __repr__ = Described
 
     if TYPE_CHECKING:       # what is given; what is kept is converted
@@ -67,7 +72,7 @@ class ContactProblem:
                      traction: Mapping[str, VectorDatum] | None = None, bodyforce: VectorDatum | None = None,
                      force: Mapping[str, VectorDatum] | None = None,
                      spring: Mapping[str, Datum | VectorDatum] | None = None,
-                     units: tuple[str, str] | None = None) -> None: ...
+                     units: tuple[str, str] | None = None, axisymmetric: bool = False) -> None: ...
 
     def __post_init__(self) -> None:
         if not isinstance(self.material, (HookeMaterial, AnisotropicMaterial)):
@@ -83,6 +88,7 @@ class ContactProblem:
             object.__setattr__(self, name, _Regions(getattr(self, name), name, convert))
         if self.bodyforce is not None:
             object.__setattr__(self, "bodyforce", Vector(self.bodyforce, "bodyforce"))
+        _CheckRevolved(self)
         object.__setattr__(self, "units", CheckUnits(self.units))
         if len({dim for _, dim in self._Dimensions()}) > 1:
             listing = ", ".join(f"{name}: {dim}" for name, dim in self._Dimensions())
@@ -92,7 +98,7 @@ class ContactProblem:
         # Mapping proxies are not pickled.
         loads = (self.dirichlet, self.roller, self.traction)
         return type(self), (self.material, self.foundation, *map(dict, loads), self.bodyforce, dict(self.force),
-                            dict(self.spring), self.units)
+                            dict(self.spring), self.units, self.axisymmetric)
 
     def _Dimensions(self) -> Iterator[tuple[str, int]]:
         for name in ("dirichlet", "traction", "force", "spring"):
@@ -113,6 +119,11 @@ class ContactProblem:
         """Space dimension d of the data, or None if they do not tell."""
         return next((dim for _, dim in self._Dimensions()), None)
 
+    @property
+    def frame(self) -> Cartesian:
+        """The coordinates of strain and integrals."""
+        return CYLINDRICAL if self.axisymmetric else CARTESIAN
+
     def Solve(self, *_: object, **__: object) -> NoReturn:
         """ProblemError that says what is missing: NGSolve's `Solve(problem)` comes here."""
         raise ProblemError("a ContactProblem has neither mesh nor method, a Discretization has both; "
@@ -130,6 +141,22 @@ class ContactProblem:
     def joints(self) -> list[str]:
         """The regions of joints."""
         return [foundation.boundary for foundation in self.foundation if foundation.kind == "joint"]
+
+
+def _CheckRevolved(problem: ContactProblem) -> None:
+    """Raise ProblemError unless `axisymmetric` is True or False, and what a body of revolution is made of is known in space."""
+    if not isinstance(problem.axisymmetric, bool):
+        raise ProblemError(f"axisymmetric is {problem.axisymmetric!r}; give True for a body of revolution, else False")
+    if not problem.axisymmetric:
+        return
+    if not isinstance(problem.material, HookeMaterial) or problem.material.plane == "stress":
+        raise ProblemError(f"material is {problem.material!r}, whose hoop stress is not known, and the body is one of "
+                           "revolution; give a HookeMaterial with plane='strain', which is the material in space")
+    if problem.dim == 3:
+        raise ProblemError("the data have 3 components and the body is one of revolution, which does not twist: displacements, "
+                           "loads and friction lie in its section; give vectors (r, z), or take the body in space for a torque")
+    if problem.joints:
+        problem.frame.Refuse(f"joint {problem.joints[0]!r}")
 
 
 def _Regions(values: Any, name: str, convert: Callable[..., Any]) -> Mapping[str, Any]:

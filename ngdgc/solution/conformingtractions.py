@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
-from ngsolve import VOL, BilinearForm, ElementId, GridFunction, InnerProduct, ds, dx
+from ngsolve import VOL, BilinearForm, ElementId, GridFunction, ds, dx
 
 from ..contact.boundary import TraceMatrix
 from ..contact.sides import Faces
@@ -31,7 +31,6 @@ from ..discrete.springs import SpringMatrices
 from ..mesh.facets import Free, Threads
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
 from ..methods.symbolform import Coefficients
-from ..problem.materials import Strain
 from .cuts import CutSpace
 from .tractions import FacetFunctions, FacetTractions
 
@@ -66,11 +65,12 @@ def ConformingTractions(solution: Any) -> FacetTractions:
 def _Given(solution: Any, space: Any) -> Array:
     """Moments (functions, d) of the tractions f_2 and of the numerical fluxes of rollers."""
     disc, mu = solution.disc, space.TestFunction()
-    integrals = [part.Flux(solution.gfu) * mu * part.measure for part in disc.form.parts]
+    integrals = [part.Integral(part.Flux(solution.gfu) * mu) for part in disc.form.parts]
     given = [(region, ForFacets(value, kind, region, disc.mesh)) for (kind, region), value in disc.tractions.items()]
     given += [(region, -SpringPull(disc.problem, region, solution.gfu, disc.mesh)) for region in disc.problem.spring]
-    integrals += [traction * mu * ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-                  for region, traction in given]
+    integrals += [disc.problem.frame.Integral(
+        traction * mu, ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS))
+        for region, traction in given]
     moments = sum((Coefficients(integral) for integral in integrals), np.zeros(space.ndof))
     return moments.reshape(disc.mesh.dim, -1).T
 
@@ -87,7 +87,8 @@ def _Held(solution: Any, sides: list[BoundaryQuadrature], shapes: Any, mass: Any
     scalar, weights = disc.method.ScalarSpace(disc.mesh, disc.order), sides[0].weights[there, None]
     here, beyond = (TraceMatrix(cut.broken, scalar, side.inside[there]) @ cut.parts for side in sides)
     jump = here - sp.diags(np.repeat(within.astype(float), dim)) @ beyond
-    first, second = (np.asarray(solution.stress(side.inside[there])).reshape(-1, dim, dim) for side in sides)
+    stress = disc.problem.frame.Plane(solution.stress)
+    first, second = (np.asarray(stress(side.inside[there])).reshape(-1, dim, dim) for side in sides)
     mean = np.einsum("nij,nj->ni", np.where(within[:, None, None], (first + second) / 2, first), sides[0].normals[there])
     rest = cut.parts.T @ _Residual(solution, cut.broken) - _Shares(solution, cut) - jump.T @ (weights * mean).ravel()
     # The functions on a facet are orthogonal, up to curvature: the diagonal of their mass gives the norm of w.
@@ -109,17 +110,18 @@ def _Smallest(coupling: Any, size: Array, rest: Array, rows: Any) -> Array:
 def _Residual(solution: Any, space: Any) -> Array:
     """R(v) for the functions of the broken space, (ndof,)."""
     disc, v, form = solution.disc, space.TestFunction(), solution.disc.form
+    frame = disc.problem.frame
     residual = _Elastic(solution, space)
     for matrix in SpringMatrices(disc.problem, space).values():
         residual += matrix @ _Broken(solution, space).vec.FV().NumPy()
     if disc.problem.bodyforce is not None:
-        residual -= Coefficients(Unfolded(disc.problem.bodyforce) * v * dx(bonus_intorder=LOADBONUS))
+        residual -= Coefficients(frame.Integral(Unfolded(disc.problem.bodyforce) * v, dx(bonus_intorder=LOADBONUS)))
     for (kind, region), value in disc.tractions.items():
         measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS)
-        residual -= Coefficients(ForFacets(value, kind, region, disc.mesh) * v * measure)
+        residual -= Coefficients(frame.Integral(ForFacets(value, kind, region, disc.mesh) * v, measure))
     for part in form.parts:
-        residual -= Coefficients(part.Flux(solution.gfu) * v * part.measure)
-        residual -= form.theta * Coefficients((part.Jump(solution.gfu) - part.value) * part.Mean(v) * part.measure)
+        residual -= Coefficients(part.Integral(part.Flux(solution.gfu) * v))
+        residual -= form.theta * Coefficients(part.Integral((part.Jump(solution.gfu) - part.value) * part.Mean(v)))
     for quadrature, traction in ContactTractions(solution):
         trace = TraceMatrix(space, disc.method.ScalarSpace(disc.mesh, disc.order), quadrature.inside)
         residual += trace.T @ (quadrature.weights[:, None] * traction).ravel()
@@ -139,7 +141,7 @@ def _Broken(solution: Any, space: Any) -> GridFunction:
 def _Elastic(solution: Any, space: Any) -> Array:
     """int C eps(u_h):eps(v), (ndof,), by the quadrature of the matrix: that of a linear form is another on curved elements."""
     disc, (u, v), displacement = solution.disc, space.TnT(), _Broken(solution, space)
-    form = BilinearForm(InnerProduct(disc.problem.material.Stress(Strain(u)), Strain(v)) * disc.form.volume)
+    form = BilinearForm(disc.form.Elastic(u, v))
     product = displacement.vec.CreateVector()
     with Threads(disc.mesh):
         form.Apply(displacement.vec, product)

@@ -108,7 +108,7 @@ def SpatialStress(solution: Any) -> Any:
     """C eps(u_h) as a CoefficientFunction (3, 3) [stress].
 
     In 2D the out-of-plane component is that of the material: lam tr(eps) in plane strain, 0 in plane stress, and 0 for an
-    AnisotropicMaterial, whose plane matrix does not tell.
+    AnisotropicMaterial, whose plane matrix does not tell; of a body of revolution the hoop stress, after r and z.
 
     >>> from ngdgc.cases import example_4_2
     >>> solution = example_4_2.Main(n=4)
@@ -116,7 +116,7 @@ def SpatialStress(solution: Any) -> Any:
     (0.0, 0.0, 0.0)
     """
     stress, material = solution.stress, solution.disc.problem.material
-    if solution.disc.mesh.dim == 3:
+    if stress.dims[0] == 3:
         return stress
     strained = isinstance(material, HookeMaterial) and material.plane == "strain"
     normal = material.lam * Trace(solution.strain) if strained else CF(0)

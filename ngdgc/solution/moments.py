@@ -18,6 +18,7 @@ BONUS = 4       # quadrature degrees beyond 2 k, as for the tractions of the con
 def Moment(solution: Any, region: str, point: Any, material: str | None) -> Array:
     """The moment of the force through a region about a point; see `ContactSolution.Moment`."""
     disc, dim = solution.disc, solution.disc.mesh.dim
+    disc.problem.frame.Refuse("Moment")
     about = np.zeros(dim) if point is None else Vectors(point, (dim,), "point", f"give its {dim} coordinates, or None")
     on = SidesOf(disc, region)
     signs = np.zeros(len(disc.facets.neighbours))

@@ -81,10 +81,11 @@ class Quantities:
         """The contact quantities, a structured array over the contact points, for numpy, `export.WriteCSV` or pandas.DataFrame.
 
         region of the foundation; x, y (, z) [length]; gap, penetration [length]; pressure [stress]; friction_x, ... on the body
-        [stress]; slip_x, ... [length]; zone; weight [length^(d-1)].
+        [stress]; slip_x, ... [length]; zone; weight [length^(d-1)].  Of a body of revolution r and z in place of x and y.
         """
         solution: Any = self
-        contact, axes = self.disc.contact, "xyz"[:self.disc.mesh.dim]
+        contact = self.disc.contact
+        axes = "rz" if self.disc.problem.axisymmetric else "xyz"[:self.disc.mesh.dim]
         regions = [(part.foundation.boundary, part.points) for part in contact.parts]
         width = max(len(name) for name, _ in regions)
         columns: dict[str, Any] = {"region": np.full(len(contact.weights), "", dtype=f"U{width}")}

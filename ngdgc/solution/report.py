@@ -20,7 +20,9 @@ SCHEMA = {
     "dirichlet": "of each region, as written", "roller": "the same", "traction": "the same", "force": "the same",
     "spring": "the same", "bodyforce": "as written, or null",
     "units": "of length and stress, or null",
-    "order": "polynomial degree", "dimension": "2 or 3", "elements": "number", "dofs": "number of unknowns",
+    "order": "polynomial degree", "dimension": "2 or 3",
+    "axisymmetric": "true for a body of revolution: forces, areas and energy are those of the whole ring",
+    "elements": "number", "dofs": "number of unknowns",
     "contact_points": "number",
     "solver": "as written", "inverse": "what solved the linear equations", "converged": "true or false",
     "iterations": "number, on the last mesh", "change": "of u, last iteration [1], or null without iteration",
@@ -70,6 +72,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         "material": repr(disc.problem.material), "foundations": [repr(foundation) for foundation in disc.problem.foundation],
         **_Data(disc.problem), "units": disc.problem.units,
         "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
+        "axisymmetric": disc.problem.axisymmetric,
         "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
         "solver": solution.solver, "inverse": solution.inverse, "converged": solution.converged,
         "iterations": len(solution.history),
@@ -162,7 +165,8 @@ def _Levels(levels: list[dict[str, Any]]) -> list[str]:
 
 
 def _Contact(numbers: dict[str, Any]) -> list[str]:
-    length = "length" if numbers["dimension"] == 2 else "area"
+    dim = _Space(numbers)
+    length = "length" if dim == 2 else "area"
     total = sum(numbers["zones"].values())
     errors = numbers["zone_errors"] or {}
     doubts = {name: f" +- {error:.2g}" if error else "" for name, error in errors.items()}
@@ -170,7 +174,6 @@ def _Contact(numbers: dict[str, Any]) -> list[str]:
                        for name, size in numbers["zones"].items())
     rows = [("penetration u_n - g", "penetration", "length"), ("pressure p_n", "pressure", "stress"),
             ("friction |sigma_t|", "friction", "stress"), ("slip |u_t|", "slip", "length")]
-    dim = numbers["dimension"]
     return [f"Contact boundary: {length} {total:.4g} [length{'^2' if dim == 3 else ''}]", f"  {zones}",
             *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g} [{unit}]"
               for label, key, unit in rows),
@@ -178,6 +181,11 @@ def _Contact(numbers: dict[str, Any]) -> list[str]:
             f"Elastic energy {numbers['elastic_energy']:.6g} {_Product(dim)}", *_Error(numbers["estimated_error"]),
             *(f"Estimated error of the {name}: {', '.join(f'{error:+.2g}' for error in found['error'])}"
               for name, found in (numbers["estimated_quantities"] or {}).items())]
+
+
+def _Space(numbers: dict[str, Any]) -> int:
+    """The dimension of the body, which is that of the mesh, or of the body of revolution that the mesh is half a section of."""
+    return numbers["dimension"] + numbers["axisymmetric"]
 
 
 def _Product(power: int) -> str:
@@ -194,15 +202,16 @@ def _Error(estimated: dict[str, Any] | None) -> list[str]:
 
 
 def _Forces(numbers: dict[str, Any]) -> list[str]:
-    dim = numbers["dimension"]
-    axes = "xyz"[:dim]
-    columns = [f"F_{axis}" for axis in axes] + (["moment"] if dim == 2 else [f"M_{axis}" for axis in axes])
-    rows = [f"Forces on the body {_Product(dim - 1)} and moments about the origin {_Product(dim)}",
+    dim, whole = _Space(numbers), numbers["axisymmetric"]
+    axes = "rz" if whole else "xyz"[:dim]
+    columns = [f"F_{axis}" for axis in axes] + ([] if whole else ["moment"] if dim == 2 else [f"M_{axis}" for axis in axes])
+    rows = [f"Forces on the whole ring {_Product(dim - 1)}, F_r the integral of the radial traction" if whole else
+            f"Forces on the body {_Product(dim - 1)} and moments about the origin {_Product(dim)}",
             " " * 26 + "".join(f"{column:>13}" for column in columns)]
     total = np.zeros(len(columns))
     inner = []      # on the first sides of joints, the second sides of which balance them
     for resultant in numbers["resultants"]:
-        modes = np.array(resultant["force"] + resultant["moment"])
+        modes = np.array((resultant["force"] + resultant["moment"])[:len(columns)])
         row = _Row(f"{resultant['kind']} {resultant['region'] or ''}", modes)
         if resultant["kind"] == "joint":
             inner.append(row)
@@ -210,7 +219,7 @@ def _Forces(numbers: dict[str, Any]) -> list[str]:
         total += modes
         rows.append(row)
         if resultant["integrated_stress"]:
-            rows.append(_Row("  integrated sigma n", np.concatenate(resultant["integrated_stress"])))
+            rows.append(_Row("  integrated sigma n", np.concatenate(resultant["integrated_stress"])[:len(columns)]))
     rows += [_Row("sum", total), *inner]
     balance = f"Balance: whole body {numbers['global_imbalance']:.1e}, equations {numbers['equilibrium_residual']:.1e}"
     if "element_imbalance" in numbers:

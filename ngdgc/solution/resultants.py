@@ -33,6 +33,9 @@ BALANCE = 1e-6      # `EquilibriumResidual` of a converged solution at most; rou
 class Resultant:
     """Force on the body (d,) [stress length^(d-1)] and its moment about the origin (1,) in 2D or (3,) [stress length^d].
 
+    Of a body of revolution the force (F_r, F_z) is that of the whole ring, F_r the integral of the radial traction, and the
+    moment, which cancels all around, 0.
+
     kind : "dirichlet", "roller", "traction", "force", "spring", "foundation", "joint" (on its first side),
         "bodyforce", or "added" for the user's own forms
     integrated : (force, moment) of int C eps(u_h) n over the region where it differs from the reported value, the strongly
@@ -64,7 +67,8 @@ def Resultants(solution: Any) -> list[Resultant]:
     basis = RigidBasis(disc.space)
 
     def Split(modes: Array) -> tuple[Array, Array]:
-        return modes[:dim], modes[dim:]
+        # Moments of a ring's forces cancel all around.
+        return modes[:dim], 0 * modes[dim:] if disc.problem.axisymmetric else modes[dim:]
 
     found = [Resultant("dirichlet", region, *Split(modes), Split(basis @ stress))
              for region, modes, stress in _StrongReactions(solution)]
@@ -96,12 +100,13 @@ def _StrongReactions(solution: Any) -> Iterator[tuple[str, Array, Array]]:
     for coefficients in RigidBasis(disc.space):
         motion.vec.FV().NumPy()[:] = coefficients
         traces.append(np.asarray(motion(quadrature.inside)))
-    stress, n, v = solution.stress, specialcf.normal(disc.mesh.dim), disc.space.TestFunction()
+    frame, n, v = disc.problem.frame, specialcf.normal(disc.mesh.dim), disc.space.TestFunction()
+    stress = frame.Plane(solution.stress)
     for region in disc.problem.dirichlet:
         there = disc.facets.On(region)[facet]
         modes = np.einsum("cnd,nd->c", np.array(traces)[:, there], tractions[there])
         measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region))
-        yield region, modes, Coefficients((stress * n) * v * measure)
+        yield region, modes, Coefficients(frame.Integral((stress * n) * v, measure))
 
 
 @ByKeyword
@@ -109,6 +114,7 @@ def GlobalImbalance(solution: Any) -> float:
     """Largest component of the sum of all forces and moments, relative to the largest single one or to `ElasticForce`."""
     modes = np.array([np.concatenate([resultant.force, resultant.moment]) for resultant in solution.Resultants()
                       if resultant.kind != "joint"])     # whose two sides balance
+    modes = modes[:, solution.disc.problem.frame.rigid]
     return float(np.abs(modes.sum(axis=0)).max() / max(np.abs(modes).max(), ElasticForce(solution)))
 
 
@@ -134,7 +140,7 @@ def ElasticForce(solution: Any) -> float:
     points = disc.mesh.ngmesh.Coordinates()[vertices[vertices >= 0], :disc.mesh.dim]
     displacement = np.abs(np.asarray(solution.gfu(VolumePoints(disc.mesh, 2)))).max()
     shear = disc.problem.material.ShearAt(VolumePoints(disc.mesh, 2)).max()
-    return shear * displacement * np.ptp(points, axis=0).max() ** (disc.mesh.dim - 2) or 1.0
+    return shear * displacement * np.ptp(points, axis=0).max() ** (disc.mesh.dim - 2 + disc.problem.axisymmetric) or 1.0
 
 
 @ByKeyword
@@ -150,7 +156,7 @@ def ElementImbalance(solution: Any) -> Array:
     contributions += [load for (kind, _), load in disc.loads.items() if kind in LOADS]
     contributions += [-(matrix @ solution.vector) for matrix in disc.springs.values()]
     contributions += [-disc.contact.Load(solution.traction), AddedForce(solution)]
-    basis = RigidBasis(disc.space)
+    basis = RigidBasis(disc.space)[disc.problem.frame.rigid]
     owner = np.empty(disc.space.ndof, dtype=int)
     for element in range(disc.mesh.ne):
         owner[list(disc.space.GetDofNrs(ElementId(VOL, element)))] = element

@@ -15,7 +15,6 @@ from ..contracts import Array, Inverter
 from ..discrete.state import AsRead, State
 from ..exceptions import ProblemError
 from ..methods.fluxes import Flux
-from ..problem.materials import Strain
 from ..tools.calls import ByKeyword
 from . import archive
 from .forces import DisplacementAt, Force, Mean, TractionOn, Tractions
@@ -101,12 +100,12 @@ class ContactSolution(Quantities):
 
     @property
     def strain(self) -> Any:
-        """eps(u_h), CoefficientFunction (d, d)."""
-        return Strain(self.gfu)
+        """eps(u_h), CoefficientFunction (d, d); (3, 3) in the order r, z, theta for a body of revolution."""
+        return self.disc.problem.frame.Strain(self.gfu)
 
     @property
     def stress(self) -> Any:
-        """C eps(u_h), CoefficientFunction (d, d) [stress], in the elements; on boundaries take `Force` or `Traction`."""
+        """C eps(u_h), CoefficientFunction as `strain` [stress], in the elements; on boundaries take `Force` or `Traction`."""
         self.state.CheckMaterial()
         return self.disc.problem.material.Stress(self.strain)
 
@@ -168,14 +167,16 @@ class ContactSolution(Quantities):
         return self._graph.zones
 
     def ZoneLengths(self) -> dict[str, float]:
-        """Length (2D) or area (3D) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""
+        """Length (2D) or area (3D, revolution) of each zone, {"separation": ..., "stick": ..., "slip": ...} [length^(d-1)]."""
         return {name: float(self.weights[self.zones == number].sum()) for number, name in enumerate(ZONES)}
 
     @cached_property
     @AsRead
     def energy(self) -> float:
         """Elastic energy, half of int C eps(u_h):eps(u_h) over the elements [stress length^d]."""
-        return float(Integrate(0.5 * InnerProduct(self.stress, self.strain), self.disc.mesh, order=2 * self.disc.order + 2))
+        frame = self.disc.problem.frame
+        density = frame.Weighted(0.5 * InnerProduct(self.stress, self.strain))
+        return float(Integrate(density, self.disc.mesh, order=2 * self.disc.order + 2 + frame.bonus))
 
     @cached_property
     def normalforce(self) -> float:
@@ -196,9 +197,9 @@ class ContactSolution(Quantities):
     def Force(self, region: str, *, material: str | None = None) -> Array:
         """Force on the body through a boundary region, (d,) [stress length^(d-1)]: loads, reactions and contact alike.
 
-        The integral of `Traction`, in balance to round-off; forces of added forms are not in it.  With `material`, a regular
-        expression: on that part of the body, through the facets of the region, also inside the body.  There without material:
-        on the side whose outward normal `flux` has (`interfaces.Interfaces`).
+        The integral of `Traction`, in balance to round-off, of a body of revolution over the whole ring; forces of added forms
+        are not in it.  With `material`, a regular expression: on that part of the body, through the facets of the region, also
+        inside the body.  There without material: on the side whose outward normal `flux` has (`interfaces.Interfaces`).
 
         Raises ProblemError for a region or material that is not there, or if the side cannot be told.
 

@@ -65,6 +65,7 @@ def ConsistencyVector(disc: Discretization, displacement: Coefficient) -> Array:
     True
     """
     problem, mesh, n = disc.problem, disc.mesh, specialcf.normal(disc.mesh.dim)
+    problem.frame.Refuse("ConsistencyVector")
     if problem.joints:
         raise ProblemError(f"the problem has joint {problem.joints[0]!r}, across which an exact displacement jumps, and a "
                            "CoefficientFunction u has no jumps; take a problem with foundations alone")

@@ -48,6 +48,7 @@ def NormMatrix(disc: Discretization) -> Any:
     True
     """
     CheckSkeleton(disc.facets)
+    disc.problem.frame.Refuse("NormMatrix")
     problem, mesh, facets, n = disc.problem, disc.mesh, disc.facets, specialcf.normal(disc.mesh.dim)
     points = VolumePoints(mesh, 2 * disc.order)
     shear = np.zeros(mesh.ne)

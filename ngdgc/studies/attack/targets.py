@@ -221,6 +221,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "roller": lambda s: {"right": 0}, "spring": lambda s: {"left": s.Choose(5, (5,) * s.dim)},
     "traction": lambda s: {"left": s.Vector(0.1)}, "force": lambda s: {"right": (0.1,) * s.dim},
     "bodyforce": lambda s: s.Vector(0.1),
+    "axisymmetric": lambda s: False,
     "units": lambda s: s.Choose(None, ("mm", "MPa")),
     "r": lambda s: s.Points(1),
     "p": lambda s: abs(s.Points(1)),

@@ -1,0 +1,101 @@
+"""The coordinates in which strain and integrals are written: those of the mesh, or r and z of a body of revolution.
+
+A body of revolution is given by half of its section through the axis, x = r >= 0 and y = z.  Nothing twists, u = (u_r, u_z),
+and in the order r, z, theta
+
+    eps(u) = [ sym(grad u)   0   ]          int_body f = int_section f 2 pi r,
+             [      0      u_r/r ]
+
+so that forces are those of the whole ring, and C is that of a body in space.
+"""
+
+from __future__ import annotations
+
+from typing import Any, ClassVar
+
+import numpy as np
+from ngsolve import CF, Grad, GridFunction, Sym, x
+
+from ..contracts import Array
+from ..exceptions import ProblemError
+
+TURN = 2 * np.pi
+AXIS = 1e-12        # radius below which a point lies on the axis, relative to the largest one
+
+
+class Cartesian:
+    """The mesh is the body.
+
+    directions : of the derivatives in a strain, or None for as many as the mesh has dimensions
+    bonus : quadrature degrees that integrals need beyond those of products of two functions
+    rigid : which of the rigid motions of `mesh.facets.RigidMotions` cost no energy
+    """
+
+    revolved: ClassVar[bool] = False
+    bonus: ClassVar[int] = 0
+    rigid: ClassVar[slice] = slice(None)
+
+    def Spatial(self, strain: Any, u: Any) -> Any:
+        """eps(u) from sym(grad u) and u."""
+        return strain
+
+    def Strain(self, u: Any) -> Any:
+        """eps(u) of a trial or test function or a GridFunction, no unit."""
+        return self.Spatial(Sym(Grad(u)), u)
+
+    def OtherStrain(self, u: Any) -> Any:
+        """eps(u) of the neighbour across a facet."""
+        return self.Spatial(Sym(Grad(u).Other() if isinstance(u, GridFunction) else Grad(u.Other())), u.Other())
+
+    def Plane(self, tensor: Any) -> Any:
+        """The part of a tensor that acts in the plane of the mesh, shape (d, d)."""
+        return tensor
+
+    def Weighted(self, integrand: Any) -> Any:
+        """What is to be integrated over the mesh, of an integrand over the body."""
+        return integrand
+
+    def Integral(self, integrand: Any, symbol: Any) -> Any:
+        """The integral over the body, symbol dx or ds those of the mesh."""
+        return self.Weighted(integrand) * symbol
+
+    def Weights(self, weights: Array, coordinates: Array, trapezoidal: bool = False) -> Array:
+        """Weights (n,) of a quadrature over the body, from those of one on boundary elements of the mesh at points (n, d).
+
+        trapezoidal : True of the rule with the two ends of every element as points, one after the other
+        """
+        return weights
+
+    def Refuse(self, name: str) -> None:
+        """Raise ProblemError where something of this name does not know the frame."""
+
+
+class Cylindrical(Cartesian):
+    """The mesh is half of the section of a body of revolution, whose axis is x = 0."""
+
+    revolved: ClassVar[bool] = True
+    bonus: ClassVar[int] = 3        # one for r, two for 1/r
+    rigid: ClassVar[slice] = slice(1, 2)        # along the axis
+
+    def Spatial(self, strain: Any, u: Any) -> Any:
+        return CF((strain[0, 0], strain[0, 1], 0, strain[1, 0], strain[1, 1], 0, 0, 0, u[0] / x), dims=(3, 3))
+
+    def Plane(self, tensor: Any) -> Any:
+        return CF((tensor[0, 0], tensor[0, 1], tensor[1, 0], tensor[1, 1]), dims=(2, 2))
+
+    def Weighted(self, integrand: Any) -> Any:
+        return TURN * x * integrand
+
+    def Weights(self, weights: Array, coordinates: Array, trapezoidal: bool = False) -> Array:
+        r = np.where(coordinates[:, 0] > AXIS * coordinates[:, 0].max(initial=0), coordinates[:, 0], 0)
+        if trapezoidal:     # that of hat functions: the integrals of these with r are its weights
+            ends = r.reshape(-1, 2)
+            r = ((2 * ends + ends[:, ::-1]) / 3).ravel()
+        return TURN * r * weights
+
+    def Refuse(self, name: str) -> None:
+        raise ProblemError(f"{name} is for bodies that are the mesh itself, and this one is of revolution, with the weight "
+                           "2 pi r in its integrals; compare with a finer mesh, or take the body in space")
+
+
+CARTESIAN, CYLINDRICAL = Cartesian(), Cylindrical()

@@ -1,0 +1,43 @@
+"""Mistakes with bodies of revolution, and what does not know them, as in `mistakes`."""
+
+from mistakes import SOFT, On
+from ngsolve import CF, Parameter
+from ngsolve.meshes import MakeStructured2DMesh
+
+from ngdgc import (LDG, AnisotropicMaterial, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, Joint,
+                   Solve, SolveHistory)
+from ngdgc.meshes import BoxMesh
+from ngdgc.theory.consistency import ConsistencyVector
+
+
+def Ring(*, material=None, foundation=None, axisymmetric=True, inner=0.0, mesh=None, **changes):
+    """A body of revolution on few elements, held above, with some data replaced."""
+    held = {"dirichlet": {"top": (0, 0)}} | changes
+    problem = ContactProblem(material or HookeMaterial(E=1, nu=0.3), foundation or On(), axisymmetric=axisymmetric, **held)
+    return Discretization(problem, LDG(), mesh or MakeStructured2DMesh(nx=1, ny=1, mapping=lambda s, t: (inner + s, t)))
+
+
+def Named(kind, value):
+    return lambda _: Ring(**{kind: {"left": value}})
+
+
+REVOLUTION = [
+    (lambda _: Ring(axisymmetric="yes"), "axisymmetric is 'yes' | True for a body of revolution | give"),
+    (lambda _: Ring(material=HookeMaterial(E=1, nu=0.3, plane="stress")),
+     "material is HookeMaterial | hoop stress is not known | give a HookeMaterial with plane='strain'"),
+    (lambda _: Ring(material=AnisotropicMaterial([[3, 1, 0], [1, 3, 0], [0, 0, 1]])),
+     "material is AnisotropicMaterial | hoop stress is not known | give a HookeMaterial with plane='strain'"),
+    (lambda _: Ring(dirichlet={"top": (0, 0, 0.1)}), "the data have 3 components | does not twist | give vectors (r, z)"),
+    (lambda _: Ring(mesh=BoxMesh(1)),
+     "the mesh has dimension 3 | a plane mesh of half of its section | leave axisymmetric out"),
+    (lambda _: Ring(inner=-0.5), "the mesh reaches to r = -0.5 | beyond the axis x = 0 | give half of its section"),
+    (lambda _: Ring(inner=1e-9), "corners of elements at r = 1e-09 | nearly on the axis | round their coordinates"),
+    (lambda _: Ring(foundation=Foundation("left", SOFT)),
+     "foundation region 'left' lies on the axis | nothing is given | leave it out"),
+    (Named("roller", 0), "roller region 'left' lies on the axis | u_r = 0 by nature | leave it out"),
+    (Named("traction", (0, 0)), "traction region 'left' lies on the axis | no part of its surface | leave it out"),
+    (lambda _: Ring(foundation=Joint("left", SOFT)), "joint 'left' | for bodies that are the mesh itself | the body in space"),
+    (lambda _: EstimateError(Solve(Ring())), "EstimateError | for bodies that are the mesh itself | compare with a finer mesh"),
+    (lambda _: SolveHistory(Ring(), parameter=Parameter(0), times=[1]),
+     "SolveHistory | for bodies that are the mesh itself | the body in space"),
+    (lambda _: ConsistencyVector(Ring(), CF((0, 0))), "ConsistencyVector | weight 2 pi r | the body in space")]

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from bodies import LINE, RING, Crossed, Stacked
 from jointed import BODIES, MID, MODULI, NU, Balanced, Confined, K, Material, P, Patch, Shear, Sheet, Walls
-from ngsolve import CF, GridFunction, specialcf, x, y, z
+from ngsolve import CF, GridFunction, Parameter, specialcf, x, y, z
 from problems import TEN
 
 from ngdgc import (LDG, BassiEtAl, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
@@ -19,12 +19,15 @@ from ngdgc.theory.lemmas import NormMatrix
 
 ALL = [*TEN, NonsymmetricInteriorPenalty(), IncompleteInteriorPenalty(), Conforming()]
 FAST = [InteriorPenalty(), LDG(form="lifting"), Conforming()]
-EVERY = pytest.mark.parametrize("dim, order", [(2, 1), (2, 2), (2, 3), (3, 1), (3, 2), (3, 3)])
+# In space the order is tried with three methods: what depends on it is the same in the plane.
+EVERY = pytest.mark.parametrize("method, dim, order", [
+    pytest.param(method, dim, order, marks=() if method in FAST else pytest.mark.slow, id=f"{method}-{dim}-{order}")
+    for method in ALL for dim, order in ((2, 1), (2, 2), (2, 3), (3, 1), (3, 2), (3, 3))
+    if dim == 2 or order == 1 or method in FAST])
 METHODS = pytest.mark.parametrize("method", [method if method in FAST else pytest.param(method, marks=pytest.mark.slow)
                                              for method in ALL], ids=repr)
 
 
-@METHODS
 @EVERY
 def test_jump_is_pressure_over_stiffness(method, dim, order):
     """A column under the pressure P between smooth walls: [u].n = P/k, to some hundred units of round-off of |u|/|[u]| = 10."""
@@ -41,22 +44,25 @@ def test_jump_is_pressure_over_stiffness(method, dim, order):
     assert solution.Mean("top")[-1] == pytest.approx(-depth, rel=1e-11)
 
 
-@METHODS
 @EVERY
-@pytest.mark.parametrize("tau, slip", [(8.0, 0.0), (12.0, 0.01), (-12.0, -0.01)], ids=["stick", "slip", "back"])
-def test_shear_patch(method, dim, order, tau, slip):
+def test_shear_patch(method, dim, order):
     """Affine in each part: friction is tau below the bound, with no slip, and .3 P at it, with the slip that is left."""
+    tau, slip, mesh = Parameter(0), Parameter(0), BODIES[dim]
     problem, u = Patch(dim, tau, slip)
-    # Friction of points that stick is their slip times some 1000 P: to 1e-11 it needs 14 digits of the slip.
-    solver = SemismoothNewtonSolver(tol=1e-13 if slip else 1e-14)
-    solution = solver.Solve(Discretization(problem, method, BODIES[dim], order=order))
-    assert np.abs(solution.penetration * K / P - 1).max() < 1e-11
-    # The first side is below: [u]_t = -slip, and the upper part drags it along.
-    assert np.abs(solution.slip - [-slip, *(0,) * (dim - 1)]).max() < 1e-13
-    assert np.abs(solution.friction - [tau, *(0,) * (dim - 1)]).max() < 1e-11 * P
-    assert {ZONES[zone] for zone in solution.zones} == {"slip" if slip else "stick"}
-    assert Balanced(solution)
-    assert solution.At(*(0.7,) * dim) == pytest.approx(u(BODIES[dim](*(0.7,) * dim)), abs=1e-12)
+    disc = Discretization(problem, method, mesh, order=order)
+    states = (8.0, 0.0), (12.0, 0.01), (-12.0, -0.01)
+    for friction, way in states if method in FAST else states[:2]:
+        tau.Set(friction)
+        slip.Set(way)
+        # Friction of points that stick is their slip times some 1000 P: to 1e-11 it needs 14 digits of the slip.
+        solution = SemismoothNewtonSolver(tol=1e-13 if way else 1e-14).Solve(disc)
+        assert np.abs(solution.penetration * K / P - 1).max() < 1e-11
+        # The first side is below: [u]_t = -slip, and the upper part drags it along.
+        assert np.abs(solution.slip - [-way, *(0,) * (dim - 1)]).max() < 1e-13
+        assert np.abs(solution.friction - [friction, *(0,) * (dim - 1)]).max() < 1e-11 * P
+        assert {ZONES[zone] for zone in solution.zones} == {"slip" if way else "stick"}
+        assert Balanced(solution)
+        assert solution.At(*(0.7,) * dim) == pytest.approx(u(mesh(*(0.7,) * dim)), abs=1e-12)
 
 
 def test_jump_needs_facets_that_are_left_out():

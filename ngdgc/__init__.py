@@ -4,6 +4,7 @@ from ngsolve import Solve
 
 from .discretization import Discretization
 from .estimates.adaptive import SolveAdaptive
+from .estimates.divided import SolveDivided
 from .estimates.error import EstimateError
 from .estimates.force import EstimateForce
 from .estimates.zonelengths import EstimateZones
@@ -36,4 +37,4 @@ __all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "Check
            "IncompleteInteriorPenalty", "InteriorPenalty", "Joint", "LDG", "Lifting", "LoadHistory", "MultiStart",
            "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG",
            "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive",
-           "SolveHistory", "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]
+           "SolveDivided", "SolveHistory", "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]

@@ -72,7 +72,7 @@ class ContactBoundary:
         if any(joints):
             self.beyond = np.concatenate([both[-1].inside for both in sides])
             trace = trace - sp.diags(np.repeat(self.joined, dim).astype(float)) @ TraceMatrix(space, scalar, self.beyond)
-        self.members = SharedPoints(trace[::dim], normals, owner)           # pairs -> n
+        self.members = SharedPoints(trace[::dim], normals, owner, self.boundaryelements)     # pairs -> n
         _, first = np.unique(self.members, return_index=True)
         self.weights = cast(Array, np.bincount(self.members, weights))
         mean = sp.csr_matrix((weights / self.weights[self.members], (self.members, np.arange(len(weights)))))   # n, pairs
@@ -177,16 +177,17 @@ class ContactBoundary:
         return self.trace.T @ (self.weights[:, None] * traction).ravel()
 
 
-def SharedPoints(traces: sp.csr_matrix, normals: Array, owner: np.ndarray) -> np.ndarray:
+def SharedPoints(traces: sp.csr_matrix, normals: Array, owner: np.ndarray, facets: np.ndarray) -> np.ndarray:
     """The number of its contact point for every quadrature point, (n,), ascending with the first quadrature point of each.
 
-    Points are one if all displacements agree there, on facets of the same foundation (`owner`, (n,)) that form no corner.
+    Points are one if all displacements agree there, on different facets (n,) of the same foundation (`owner`, (n,)) that form
+    no corner.
     traces : sparse (n, nscalar), values of the shape functions of one component at the n quadrature points;  normals : (n, d)
     """
     gram = (traces @ traces.T).tocoo()
     size, i, j = gram.diagonal(), gram.row, gram.col
     same = size[i] + size[j] - 2 * gram.data < SAME * size[i]
-    same &= (owner[i] == owner[j]) & (np.einsum("ni,ni->n", normals[i], normals[j]) > CORNER)
+    same &= (owner[i] == owner[j]) & (facets[i] != facets[j]) & (np.einsum("ni,ni->n", normals[i], normals[j]) > CORNER)
     graph = sp.coo_matrix((np.ones(same.sum()), (i[same], j[same])), shape=gram.shape)
     labels = sp.csgraph.connected_components(graph, directed=False)[1]
     _, first, number = np.unique(labels, return_index=True, return_inverse=True)

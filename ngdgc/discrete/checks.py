@@ -15,6 +15,7 @@ from ..exceptions import ProblemError
 from ..mesh.checks import CheckBoundary, CheckElements, CheckSides
 from ..mesh.facets import Facets, SecondOrder, VolumePoints
 from ..mesh.quadrature import BoundaryQuadrature
+from ..methods.coercivity import CheckCoercivity, CheckSum
 from ..problem.problem import ContactProblem
 from .section import CheckSection, OnAxis
 
@@ -150,3 +151,14 @@ def CheckRollerTractions(problem: ContactProblem, facets: Facets) -> None:
         if np.abs(normal).max() > 1e-10 * np.abs(traction).max() + roundoff:
             raise ProblemError(f"traction[{region!r}] has a normal component on a roller, where the normal displacement is "
                                "prescribed; give the tangential part alone")
+
+
+def CheckMatrix(disc: Any, matrix: Any, elastic: Any) -> None:
+    """Raise ProblemError unless A, and B_h without what was added to it, are finite and coercive."""
+    if not np.all(np.isfinite(matrix.AsVector().FV().NumPy())):
+        raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
+                           "division by zero or a root of a negative number")
+    if disc.added.matrix is not None:
+        CheckSum(disc.form, matrix, disc.space.FreeDofs(), disc.restraints.soft)
+    else:
+        CheckCoercivity(disc.form, elastic, disc.space.FreeDofs(), disc.restraints.soft)

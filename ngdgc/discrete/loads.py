@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import CF, CoefficientFunction, FESpace, ds, dx
+from ngsolve import CF, CoefficientFunction, FESpace, GridFunction, ds, dx
 
 from ..contracts import Array
 from ..data.coefficients import LOADBONUS, ForFacets, Unfolded
+from ..data.inside import OnBoundary
 from ..exceptions import ProblemError
 from ..linear.motions import ProjectedMotions
 from ..methods.symbolform import Coefficients
@@ -54,3 +55,13 @@ def Loads(disc: Any) -> dict[tuple[str, str | None], Array]:
             raise ProblemError(f"{name} is not finite at some quadrature point; look for a division by zero or a root of a "
                                "negative number")
     return loads
+
+
+def Prescribed(disc: Any) -> Array:
+    """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
+    function, mesh, dirichlet = GridFunction(disc.space), disc.mesh, disc.problem.dirichlet
+    if not disc.method.weak and dirichlet:
+        values = {region: OnBoundary(value, mesh.Boundaries(region), f"dirichlet[{region!r}]")
+                  for region, value in dirichlet.items()}
+        function.Set(mesh.BoundaryCF(values, default=(0,) * mesh.dim), definedon=mesh.Boundaries("|".join(dirichlet)))
+    return function.vec.FV().NumPy().copy()

@@ -5,11 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import CoefficientFunction, GridFunction, Mesh
+from ngsolve import CoefficientFunction, Mesh
 
 from ..contact.boundary import ContactBoundary
 from ..contracts import Array, FluxForm, Form, Inverse, Inverter, Method, Missing
-from ..data.inside import OnBoundary
 from ..exceptions import ProblemError
 from ..linear.choice import CheckInverter, Chosen
 from ..linear.equations import LinearEquations
@@ -17,8 +16,8 @@ from ..linear.motions import FreeMotions, ProjectedMotions
 from ..linear.outside import Made
 from ..mesh.doubling import Doubled
 from ..mesh.facets import Csr, Facets, Native, Threads
+from ..mesh.pieces import Pieces
 from ..mesh.quadrature import ContactRules
-from ..methods.coercivity import CheckCoercivity, CheckSum
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
 from ..tools.kinds import Short
@@ -26,9 +25,9 @@ from ..tools.memory import CheckAssembly
 from ..tools.names import NameOf
 from ..tools.values import Among, Order
 from .added import AddedForms
-from .checks import CheckData, CheckJoints, CheckMesh, CheckPart, CheckRegions, CheckSpace
+from .checks import CheckData, CheckJoints, CheckMatrix, CheckMesh, CheckPart, CheckRegions, CheckSpace
 from .frozen import Frozen, OfMatrix, Twin
-from .loads import GivenTractions, Loads
+from .loads import GivenTractions, Loads, Prescribed
 from .restraints import Restraints
 from .springs import SpringMatrices
 from .state import State
@@ -47,6 +46,7 @@ class DiscreteProblem(LinearEquations):
     ----------
     given : the mesh that was given;  mesh : the same, or of continuous methods one whose nodes are doubled along joints
     origin : displacement of the contact points from which slip counts (n, d), or None: the undeformed body
+    pieces : of the boundary elements on Gamma_C whose quadrature is divided, {number: parts} as `pieces.Pieces`
     derived : {name: value} of what is frozen, if it was asked for;  elastic : the same for what follows from the matrix alone,
         which copies with other loads share
     """
@@ -78,6 +78,7 @@ class DiscreteProblem(LinearEquations):
         self.derived: dict[str, Any] = {}
         self.elastic: dict[str, Any] = {}
         self.origin: Array | None = None
+        self.pieces: Pieces = {}
         self._Read()
         self.added = AddedForms(self.space, self.facets)
 
@@ -85,9 +86,13 @@ class DiscreteProblem(LinearEquations):
         """Evaluate the data as they are now."""
         self.state = State(self.problem, self.given)
         CheckData(self.problem, self.mesh, self.facets)
-        scalar, rules = self.method.ScalarSpace(self.mesh, self.order), ContactRules(self.method, self.mesh.dim, self.order)
+        scalar = self.method.ScalarSpace(self.mesh, self.order)
         CheckSpace(self.method, self.space, scalar, self.mesh, "|".join(self.problem.dirichlet))
-        self.contact = ContactBoundary(self.problem, self.facets, self.space, scalar, rules).After(self.origin)
+        self.contact = self._Contact(scalar)
+
+    def _Contact(self, scalar: Any) -> ContactBoundary:
+        rules = ContactRules(self.method, self.mesh.dim, self.order)
+        return ContactBoundary(self.problem, self.facets, self.space, scalar, rules, self.pieces).After(self.origin)
 
     def Current(self) -> DiscreteProblem:
         """The same with the values that Parameters have now: this one if they are what they were, else a copy.
@@ -108,6 +113,14 @@ class DiscreteProblem(LinearEquations):
         """The same problem with slip that counts from a displacement of the contact points (n, d); None: from none."""
         other = Twin(self)
         other.origin, other.contact = displacement, self.contact.After(displacement)
+        return other
+
+    def Divided(self, pieces: Pieces) -> DiscreteProblem:
+        """The same problem with other contact points, those of a quadrature that is divided; nothing else is another."""
+        other = Twin(self)
+        other.pieces, other.solves, other.cycles, other.factorisation = pieces, 0, 0, 0.0
+        with self.state.Restored():
+            other.contact = other._Contact(self.method.ScalarSpace(self.mesh, self.order))
         return other
 
     def __repr__(self) -> str:
@@ -165,18 +178,10 @@ class DiscreteProblem(LinearEquations):
         """NGSolve's matrix A of B_h, checked for coercivity."""
         self.restraints.Check()
         with Threads(self.mesh):
-            matrix = self.form.Matrix()
-            CheckPart(self, matrix, "Matrix()", 2)
-            elastic = matrix
-            if self.addedmatrix is not None:
-                matrix = Native(Csr(matrix) + self.addedmatrix)
-            if not np.all(np.isfinite(matrix.AsVector().FV().NumPy())):
-                raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
-                                   "division by zero or a root of a negative number")
-            if self.added.matrix is not None:
-                CheckSum(self.form, matrix, self.space.FreeDofs(), self.restraints.soft)
-            else:
-                CheckCoercivity(self.form, elastic, self.space.FreeDofs(), self.restraints.soft)
+            elastic = self.form.Matrix()
+            CheckPart(self, elastic, "Matrix()", 2)
+            matrix = elastic if self.addedmatrix is None else Native(Csr(elastic) + self.addedmatrix)
+            CheckMatrix(self, matrix, elastic)
         return matrix
 
     @Frozen
@@ -241,13 +246,7 @@ class DiscreteProblem(LinearEquations):
     @Frozen
     def prescribed(self) -> Array:
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
-        function = GridFunction(self.space)
-        if not self.method.weak and self.problem.dirichlet:
-            values = {region: OnBoundary(value, self.mesh.Boundaries(region), f"dirichlet[{region!r}]")
-                      for region, value in self.problem.dirichlet.items()}
-            function.Set(self.mesh.BoundaryCF(values, default=(0,) * self.mesh.dim),
-                         definedon=self.mesh.Boundaries("|".join(self.problem.dirichlet)))
-        return function.vec.FV().NumPy().copy()
+        return Prescribed(self)
 
     @OfMatrix
     def inverse(self) -> Inverse:

@@ -23,7 +23,7 @@ from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..mesh.pieces import Pieces
 from ..problem.materials import Strain, StiffnessAt
-from .zoneends import ZonePieces
+from .zoneends import Levels, ZonePieces
 
 DEGREE = {2: 12, 3: 4}      # of the quadrature, beyond 2 k, by dimension: between its points zones end
 STABLE = 5          # gamma over C_nnnn k^2 |e|/|K|
@@ -48,7 +48,7 @@ class LinearisedContact:
         computed = fine.problem.material.Stress(Strain(function))
         degree, pieces = 2 * fine.order + DEGREE[fine.mesh.dim], None
         graph, stress, q = self._Coordinates(vector, computed, degree, pieces)
-        if pieces := ZonePieces(fine.facets, graph, q, degree):
+        if pieces := ZonePieces(fine.facets, graph.contact, Levels(graph, q), degree):
             graph, stress, q = self._Coordinates(vector, computed, degree, pieces)
         point = graph.At(q)
         self.graph, self.contact, self.stress = graph, graph.contact, stress

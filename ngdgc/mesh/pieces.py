@@ -41,6 +41,30 @@ def Quarters(corners: int, depth: int) -> list[Piece]:
     return pieces
 
 
+def Triangles(polygons: Sequence[Array]) -> list[Piece]:
+    """Convex polygons (m, 2) in the reference triangle as triangles that share their first corner."""
+    return [Piece(corners[0], np.column_stack([corners[i] - corners[0], corners[i + 1] - corners[0]]))
+            for corners in polygons for i in range(1, len(corners) - 1)]
+
+
+def Cut(polygon: Array, level: Array) -> list[Array]:
+    """The parts of a convex polygon (m, 2) on either side of a line, where a linear function is zero, (m,) at the corners."""
+    parts: list[list[Array]] = [[], []]
+    for here, there, value, after in zip(polygon, np.roll(polygon, -1, axis=0), level, np.roll(level, -1)):
+        for part, sign in zip(parts, (1, -1)):
+            if sign * value >= 0:
+                part.append(here)
+            if value * after < 0:
+                part.append(here + value / (value - after) * (there - here))
+    return [np.array(part) for part in parts if len(part) > 2]
+
+
+def Area(polygon: Array) -> float:
+    """Of a convex polygon (m, 2)."""
+    x, y = polygon.T
+    return abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1))) / 2
+
+
 def Divided(points: Any, weights: Array, pieces: Pieces) -> tuple[Any, Array]:
     """Points and reference weights (n,) of a quadrature with those of every divided boundary element on each of its pieces.
 
@@ -60,3 +84,19 @@ def _Mapped(points: Any, weights: Array, piece: Piece) -> tuple[Any, Array]:
     for axis, values in zip(axes, at.T):
         mapped[axis] = values
     return mapped, abs(np.linalg.det(piece.matrix)) * weights
+
+
+def PiecesArray(pieces: Pieces, dim: int) -> Array:
+    """Pieces as an array (m, 1 + (d - 1) + (d - 1)^2): number of the boundary element, origin, matrix."""
+    rows = [np.concatenate([[number], piece.origin, piece.matrix.ravel()])
+            for number, parts in pieces.items() for piece in parts]
+    return np.array(rows).reshape(-1, 1 + (dim - 1) * dim)
+
+
+def PiecesOf(array: Array, dim: int) -> dict[int, list[Piece]]:
+    """The pieces of a `PiecesArray`."""
+    pieces: dict[int, list[Piece]] = {}
+    for number, *rest in array:
+        origin, matrix = np.split(np.array(rest), [dim - 1])
+        pieces.setdefault(int(number), []).append(Piece(origin, matrix.reshape(dim - 1, dim - 1)))
+    return pieces

@@ -119,11 +119,13 @@ class ContactCells:
         points, coordinates, weights, sizes = [], [], [], list[int]()
         for part in contact.parts:
             region, side = part.foundation.boundary, _FirstSide(facets, part.foundation)
-            corners, quadrature = (BoundaryQuadrature.On(facets, region, rule, side=side) for rule in (at, rules))
-            # The sides are the same in both, in the same order, each with the points of its rule in a row.
+            corners, quadrature = (BoundaryQuadrature.On(facets, region, rule, side=side, pieces=disc.pieces)
+                                   for rule in (at, rules))
+            # The sides are the same in both, in the same order, each with the points of its rule in a row, on every piece.
             starts = np.flatnonzero(np.diff(quadrature.boundaryelements, prepend=-1))
             counts = [len(cell) for number in quadrature.boundaryelements[starts]
-                      for cell in cells[TYPES[dim - 1][int((facets.boundary[2][number] >= 0).sum())]]]
+                      for cell in cells[TYPES[dim - 1][int((facets.boundary[2][number] >= 0).sum())]]
+                      * len(disc.pieces.get(int(number), [None]))]
             rows = _Rows(quadrature, contact, part.points)
             ends = np.cumsum(counts)
             chosen = np.concatenate([np.arange(ends[row] - counts[row], ends[row]) for row in rows])

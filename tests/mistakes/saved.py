@@ -118,6 +118,8 @@ SAVED = [
      "the history or the summary in | is none of an iteration | give a folder as ContactSolution.Save has left it"),
     (lambda folder: ContactSolution.Load(Edited(Saved(folder), arrays={"dofs": np.zeros(3, dtype=int)}), Example()),
      "the dofs in | are none of Discretization | give a folder as ContactSolution.Save has left it"),
+    (lambda folder: ContactSolution.Load(Edited(Saved(folder), arrays={"pieces": np.ones((1, 4))}), Example()),
+     "the pieces in | are no parts of boundary elements | give a folder as"),
     (lambda folder: ContactSolution.Load(Edited(Saved(folder), arrays={"slip": np.ones(4)}), Example()),
      "the slip in | is not that of its coefficients | give a folder as ContactSolution.Save has left it"),
     (lambda folder: ContactSolution.Load(Altered(folder, traction=2), Example()),

@@ -1,0 +1,146 @@
+"""A quadrature that is divided where contact ends: the law is integrated exactly, and forces lose an error of their own."""
+
+import numpy as np
+import pytest
+from bodies import Layers
+from jointed import MID
+from mistakes.saved import Edited
+from ngsolve import CF, IfPos, y
+
+from ngdgc import (LDG, ContactProblem, ContactSolution, CoulombFriction, Discretization, EstimateError, EstimateForce,
+                   Foundation, HookeMaterial, InteriorPenalty, Joint, NormalCompliance, ProblemError, Solve, SolveDivided,
+                   TrescaFriction)
+from ngdgc.cases import example_4_2
+from ngdgc.mesh.pieces import Area, Cut, Interval, PiecesArray, PiecesOf, Quarters, Triangles
+from ngdgc.mesh.quadrature import BoundaryQuadrature
+from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.plots import ContactFigure, DeformedFigure
+from ngdgc.solution.pointcells import ContactCells
+
+FORCE = 25.14297        # of Example 4.2, on fine meshes
+FINE = {2: [Interval(n / 256, (n + 1) / 256) for n in range(256)], 3: Quarters(3, 5)}
+
+
+def Lifted(dim, exponent=1):
+    """A body that is pressed down and pulled up at one side, so that contact ends somewhere."""
+    friction = CoulombFriction(0.3) if dim == 2 else TrescaFriction(2)
+    foundation = Foundation("bottom", NormalCompliance(500 * 10 ** (exponent - 1), exponent), friction=friction)
+    pull = {"left": (0, 20)} if dim == 2 else {"left": (0, 0, 30), "front": (0, 0, 20)}
+    return ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": (0.01, *(0,) * (dim - 2), -0.02)},
+                          traction=pull)
+
+
+@pytest.fixture(scope="module", params=[(2, 1, 1), (2, 2, 1), (2, 2, 2), (3, 2, 1)], ids=str)
+def pair(request):
+    """(solution, divided) in d dimensions, of order k, with p_n = c r^m."""
+    dim, order, exponent = request.param
+    mesh = RectangleMesh(5) if dim == 2 else BoxMesh(2)
+    solution = Solve(Discretization(Lifted(dim, exponent), LDG() if order == 1 else InteriorPenalty(), mesh, order=order))
+    return solution, SolveDivided(solution)
+
+
+def Missed(solution):
+    """|int_GammaC p_n(u_h) - normalforce|, the integral by a quadrature of many parts, relative."""
+    disc = solution.disc
+    numbers = {int(number): FINE[disc.mesh.dim] for number in disc.contact.boundaryelements}
+    at = BoundaryQuadrature.On(disc.facets, "bottom", 2 * disc.order, pieces=numbers)
+    r = np.einsum("ni,ni->n", np.asarray(solution.gfu(at.inside)).reshape(at.normals.shape), at.normals)
+    return abs(at.weights @ disc.problem.foundation[0].compliance.Pressure(r) / solution.normalforce - 1)
+
+
+def test_pressure_of_the_law_is_integrated_exactly_where_contact_ends_in_no_part(pair):
+    """u_h is a polynomial: on parts where all of it is in contact, so is p_n(u_h), of a degree that the rule is made for."""
+    solution, divided = pair
+    plane = solution.disc.mesh.dim == 2
+    # The end is missed by a part of the facet, the integral by its square; curved lines, which parts have not, by more.
+    assert Missed(solution) > 3e-5 and Missed(divided) < (Missed(solution) / 100 if plane else Missed(solution) / 5)
+    if plane:       # the ends of a solution that is nearly the same are found better among more points
+        assert Missed(SolveDivided(divided)) < max(Missed(divided) / 10, 3e-6)
+
+
+def test_divided_solutions_are_solutions(pair):
+    solution, divided = pair
+    assert divided.converged and divided.GlobalImbalance() < 1e-11 and divided.ElementImbalance().max() < 1e-10
+    assert divided.disc.matrix is solution.disc.matrix and len(divided.weights) > len(solution.weights)
+    np.testing.assert_allclose(divided.weights.sum(), solution.weights.sum(), rtol=1e-13)
+    # Within every part all points are in contact, or none is.
+    parts = {number: len(found) for number, found in divided.disc.pieces.items()}
+    assert divided.levels[:-1] == solution.levels and divided.levels[-1].points == len(divided.weights)
+    if divided.disc.mesh.dim == 2:
+        for number, count in parts.items():
+            zones = np.split(divided.zones[divided.disc.contact.boundaryelements == number] > 0, count)
+            assert all(np.ptp(part.astype(int)) == 0 for part in zones) and len({bool(part[0]) for part in zones}) == 2
+    energies = EstimateError(solution).value, EstimateError(divided).value
+    assert abs(energies[1] / energies[0] - 1) < 0.01       # the mesh carries no more
+
+
+@pytest.mark.parametrize("n", [8, 16])
+def test_force_of_a_soft_foundation_loses_most_of_its_error(n):
+    solution = example_4_2.Main(order=2, n=n)
+    divided = SolveDivided(solution)
+    before, after = (one.normalforce - FORCE for one in (solution, divided))
+    assert abs(after) < abs(before) / 5 and -2e-3 < after < -1e-3      # before: 1.6e-2, -1.2e-2, as the end lies
+    # What is corrected has this error no more, and is the same.
+    first, second = (EstimateForce(one) for one in (solution, divided))
+    assert abs(first.corrected["bottom"][1] - second.corrected["bottom"][1]) < 1e-5
+    assert abs(second.error["bottom"][1]) < abs(first.error["bottom"][1]) / 5
+
+
+def test_where_contact_ends_in_no_facet_nothing_is_divided():
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(500)),
+                             dirichlet={"top": (0, -0.02)})
+    solution = Solve(Discretization(problem, LDG(), RectangleMesh(2)))
+    assert SolveDivided(solution) is solution
+
+
+def test_joint_that_opens_in_part_is_divided_on_both_sides():
+    joint = Joint("mid", NormalCompliance(500), friction=CoulombFriction(0.3))
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), joint, dirichlet={"bottom": (0, 0), "top": (0.01, -0.01)},
+                             traction={"left": CF((0, IfPos(y - MID, 20, 0)))})
+    solution = Solve(Discretization(problem, LDG(), Layers(2), order=2))
+    divided = SolveDivided(solution)
+    assert len(divided.disc.pieces) == 1 and np.any(divided.zones == 0)
+    assert divided.GlobalImbalance() < 1e-11 and divided.ElementImbalance().max() < 1e-10
+    assert abs(divided.normalforce / solution.normalforce - 1) > 1e-4     # one facet of four: it matters
+    # The law is integrated exactly, as more points there do not change it.
+    again = SolveDivided(divided)
+    assert abs(again.normalforce - divided.normalforce) < abs(divided.normalforce - solution.normalforce) / 50
+
+
+def test_divided_solutions_are_kept_and_drawn(pair, tmp_path):
+    solution, divided = pair
+    divided.Save(tmp_path / "kept")
+    again = ContactSolution.Load(tmp_path / "kept", divided.disc.problem)
+    np.testing.assert_array_equal(again.traction, divided.traction)
+    np.testing.assert_array_equal(again.points, divided.points)
+    assert again.normalforce == divided.normalforce and SolveDivided(again).converged
+    # A folder without pieces, as version 0.2 wrote it, holds other points.
+    with pytest.raises(ProblemError, match="its points differ"):
+        ContactSolution.Load(Edited(tmp_path / "kept", without=["pieces"]), divided.disc.problem)
+    solution.Save(tmp_path / "whole")
+    assert ContactSolution.Load(Edited(tmp_path / "whole", without=["pieces"]), divided.disc.problem).converged
+    cells = ContactCells(divided.disc)
+    np.testing.assert_allclose(cells.weights @ divided.pressure, divided.normalforce, rtol=1e-13)
+    ContactFigure(divided), DeformedFigure(divided)
+
+
+def test_cells_around_points_of_parts_are_as_large_as_their_weights(pair):
+    _, divided = pair
+    cells, dim = ContactCells(divided.disc), divided.disc.mesh.dim
+    for corners, weight in zip(cells.corners, cells.weights):
+        at = cells.coordinates[corners][:, :dim - 1]
+        assert abs((np.ptp(at) if dim == 2 else Area(at)) - weight) < 1e-9
+
+
+def test_a_line_cuts_a_triangle_into_parts_that_cover_it():
+    triangle = np.array([(1.0, 0.0), (0.0, 1.0), (0.0, 0.0)])
+    for slope in np.random.default_rng(1).normal(size=(20, 2)):
+        level = triangle @ slope - 0.3 * slope.sum()
+        parts = Cut(triangle, level)
+        pieces = Triangles(parts)
+        assert len(pieces) == (3 if len(parts) == 2 else 1)
+        assert abs(sum(abs(np.linalg.det(piece.matrix)) for piece in pieces) - 1) < 1e-14
+        for part in parts:      # on one side each
+            values = part @ slope - 0.3 * slope.sum()
+            assert values.min() > -1e-14 or values.max() < 1e-14
+    np.testing.assert_array_equal(PiecesArray(PiecesOf(PiecesArray({3: pieces}, 3), 3), 3), PiecesArray({3: pieces}, 3))

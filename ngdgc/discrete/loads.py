@@ -57,7 +57,7 @@ def Loads(disc: Any) -> dict[tuple[str, str | None], Array]:
     return loads
 
 
-def Prescribed(disc: Any) -> Array:
+def StrongValues(disc: Any) -> Array:
     """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
     function, mesh, dirichlet = GridFunction(disc.space), disc.mesh, disc.problem.dirichlet
     if not disc.method.weak and dirichlet:

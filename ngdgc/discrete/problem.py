@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from ngsolve import CoefficientFunction, Mesh
 
-from ..contact.boundary import ContactBoundary
 from ..contracts import Array, FluxForm, Form, Inverse, Inverter, Method, Missing
 from ..exceptions import ProblemError
 from ..linear.choice import CheckInverter, Chosen
@@ -17,7 +16,6 @@ from ..linear.outside import Made
 from ..mesh.doubling import Doubled
 from ..mesh.facets import Csr, Facets, Native, Threads
 from ..mesh.pieces import Pieces
-from ..mesh.quadrature import ContactRules
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
 from ..tools.kinds import Short
@@ -26,8 +24,9 @@ from ..tools.names import NameOf
 from ..tools.values import Among, Order
 from .added import AddedForms
 from .checks import CheckData, CheckJoints, CheckMatrix, CheckMesh, CheckPart, CheckRegions, CheckSpace
+from .divided import ContactOf
 from .frozen import Frozen, OfMatrix, Twin
-from .loads import GivenTractions, Loads, Prescribed
+from .loads import GivenTractions, Loads, StrongValues
 from .restraints import Restraints
 from .springs import SpringMatrices
 from .state import State
@@ -88,11 +87,7 @@ class DiscreteProblem(LinearEquations):
         CheckData(self.problem, self.mesh, self.facets)
         scalar = self.method.ScalarSpace(self.mesh, self.order)
         CheckSpace(self.method, self.space, scalar, self.mesh, "|".join(self.problem.dirichlet))
-        self.contact = self._Contact(scalar)
-
-    def _Contact(self, scalar: Any) -> ContactBoundary:
-        rules = ContactRules(self.method, self.mesh.dim, self.order)
-        return ContactBoundary(self.problem, self.facets, self.space, scalar, rules, self.pieces).After(self.origin)
+        self.contact = ContactOf(self, scalar)
 
     def Current(self) -> DiscreteProblem:
         """The same with the values that Parameters have now: this one if they are what they were, else a copy.
@@ -113,14 +108,6 @@ class DiscreteProblem(LinearEquations):
         """The same problem with slip that counts from a displacement of the contact points (n, d); None: from none."""
         other = Twin(self)
         other.origin, other.contact = displacement, self.contact.After(displacement)
-        return other
-
-    def Divided(self, pieces: Pieces) -> DiscreteProblem:
-        """The same problem with other contact points, those of a quadrature that is divided; nothing else is another."""
-        other = Twin(self)
-        other.pieces, other.solves, other.cycles, other.factorisation = pieces, 0, 0, 0.0
-        with self.state.Restored():
-            other.contact = other._Contact(self.method.ScalarSpace(self.mesh, self.order))
         return other
 
     def __repr__(self) -> str:
@@ -246,7 +233,7 @@ class DiscreteProblem(LinearEquations):
     @Frozen
     def prescribed(self) -> Array:
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
-        return Prescribed(self)
+        return StrongValues(self)
 
     @OfMatrix
     def inverse(self) -> Inverse:

@@ -6,6 +6,7 @@ from typing import Any
 
 from ..contact.graph import ContactGraph
 from ..contact.stiffness import BodyStiffness
+from ..discrete.divided import OnPieces
 from ..exceptions import ProblemError
 from ..mesh.quadrature import ContactRules
 from ..solution.solution import CheckSolution, ContactSolution
@@ -59,7 +60,7 @@ def SolveDivided(solution: Any, *, tol: float = 1e-10) -> ContactSolution:
         pieces = ZonePieces(disc.facets, disc.contact, openings, rules, disc.pieces)
         if not pieces:
             return solution
-        divided = disc.Divided(pieces)
+        divided = OnPieces(disc, pieces)
         found, seconds = FromPrediction(solver, divided, Transfer(solution, divided.contact), None)
     levels = [*solution.levels, LevelOf(found.disc, found.history, seconds, True)]
     again = ContactSolution(found.disc, found.vector, found.traction, history=found.history, levels=levels,

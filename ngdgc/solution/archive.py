@@ -12,6 +12,7 @@ from ngsolve import BilinearForm, LinearForm
 
 from ..contact.graph import Distance
 from ..contracts import Inverter
+from ..discrete.divided import OnPieces
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..linear.choice import INVERTERS
@@ -75,7 +76,7 @@ def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],
         if pieces.dtype != float or pieces.shape[1:] != (1 + (mesh.dim - 1) * mesh.dim,) or not np.all(np.isfinite(pieces)):
             raise ProblemError(f"the pieces in {folder} are no parts of boundary elements; give a folder as "
                                "ContactSolution.Save has left it")
-        disc = disc.Divided(PiecesOf(pieces, mesh.dim))
+        disc = OnPieces(disc, PiecesOf(pieces, mesh.dim))
     return disc.After(origin) if origin.size else disc, arrays, words
 
 

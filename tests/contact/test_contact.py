@@ -14,7 +14,7 @@ from problems import METHODS, Example
 
 from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, InteriorPenalty,
                    NormalCompliance, TrescaFriction, UzawaSolver)
-from ngdgc.discrete import problem as discretization
+from ngdgc.discrete import divided
 from ngdgc.contact.graph import SEPARATION, SLIP, STICK, Distance
 from ngdgc.mesh.facets import Coordinates, Facets
 from ngdgc.mesh.quadrature import BoundaryQuadrature, NodalRules
@@ -178,7 +178,7 @@ def test_compliance_of_conforming_elements_has_no_small_eigenvalues(order, monke
         return np.log2(coarse / fine)
 
     assert Rate() == pytest.approx(1, abs=0.05)
-    monkeypatch.setattr(discretization, "ContactRules", lambda method, dim, order: 2 * order - 2)
+    monkeypatch.setattr(divided, "ContactRules", lambda method, dim, order: 2 * order - 2)
     assert Rate() == pytest.approx(3, abs=0.1)
 
 

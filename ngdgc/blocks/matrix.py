@@ -9,11 +9,11 @@ NGSolve numbers the dofs of a vector L2 space component by component, and in one
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import BaseMatrix, BilinearForm, FESpace, L2
 
 from ..contracts import Array
 from ..exceptions import ProblemError
+from ..tools import sparse as sp
 
 
 def Numbers(starts: np.ndarray, patches: np.ndarray, dim: int) -> np.ndarray:

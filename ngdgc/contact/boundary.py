@@ -10,15 +10,16 @@ from copy import copy
 from typing import Any, cast
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import VOL, ElementId, FESpace
 
 from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..exceptions import ProblemError
+from ..mesh.components import Connected
 from ..mesh.facets import Facets
 from ..mesh.pieces import Pieces
 from ..problem.problem import ContactProblem
+from ..tools import sparse as sp
 from .directions import LawNormals, Unit
 from .parts import CheckFinite, ContactPart, OverParts
 from .sides import Faces
@@ -188,10 +189,7 @@ def SharedPoints(traces: sp.csr_matrix, normals: Array, owner: np.ndarray, facet
     size, i, j = gram.diagonal(), gram.row, gram.col
     same = size[i] + size[j] - 2 * gram.data < SAME * size[i]
     same &= (owner[i] == owner[j]) & (facets[i] != facets[j]) & (np.einsum("ni,ni->n", normals[i], normals[j]) > CORNER)
-    graph = sp.coo_matrix((np.ones(same.sum()), (i[same], j[same])), shape=gram.shape)
-    labels = sp.csgraph.connected_components(graph, directed=False)[1]
-    _, first, number = np.unique(labels, return_index=True, return_inverse=True)
-    return np.argsort(np.argsort(first))[number]
+    return Connected(len(size), i[same], j[same])
 
 
 def TraceMatrix(space: FESpace, scalar: FESpace, points: np.ndarray) -> sp.csr_matrix:

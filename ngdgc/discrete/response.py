@@ -15,7 +15,6 @@ from copy import copy
 from typing import cast
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..contact.equilibrium import Equilibrium
 from ..contracts import Array, InexactInverse, Inverse, LinearProblem
@@ -23,6 +22,7 @@ from ..exceptions import ProblemError
 from ..linear.motions import Deflation
 from ..linear.sums import Sum
 from ..mesh.facets import Threads
+from ..tools import sparse as sp
 
 
 class ContactResponse:

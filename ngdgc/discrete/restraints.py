@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import cast
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import CF, FESpace, GridFunction, L2
 
 from ..contact.boundary import ContactBoundary
@@ -16,6 +15,7 @@ from ..exceptions import ProblemError
 from ..mesh.facets import Facets, Projected, RigidMotions, RigidMotionsAt
 from ..mesh.quadrature import BoundaryQuadrature
 from ..problem.problem import ContactProblem
+from ..tools import sparse as sp
 
 SOFT = 1e-3         # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
 NOTHING = 1e-12     # of the energy of a motion, relative to the sizes of its terms

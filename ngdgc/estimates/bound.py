@@ -20,11 +20,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..contact.parts import ContactPart, OverParts
 from ..contracts import Array
 from ..mesh.facets import Csr, Native
+from ..tools import sparse as sp
 from .equilibrated import EquilibratedStress
 from .hypercircle import ElementConstants, Hypercircle
 from .lawpart import Pushed

@@ -14,7 +14,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import CF, VOL, ElementId, GridFunction, Integrate, specialcf
 
 from ..contact.boundary import ContactBoundary
@@ -23,6 +22,7 @@ from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..mesh.pieces import Pieces
 from ..problem.materials import Strain, StiffnessAt
+from ..tools import sparse as sp
 from .zoneends import Levels, ZonePieces
 
 DEGREE = {2: 12, 3: 4}      # of the quadrature, beyond 2 k, by dimension: between its points zones end

@@ -16,7 +16,6 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import (BND, CF, H1, L2, VOL, BilinearForm, BitArray, Cross, ElementId, FacetFESpace, FESpace, GridFunction, HCurl,
                      InnerProduct, LinearForm, Mesh, Region, dx, specialcf)
 from ngsolve.la import BaseMatrix
@@ -29,6 +28,7 @@ from ..contracts import Array
 from ..linear.cycles import Entries
 from ..mesh.facets import Free, Native, Threads, VolumePoints
 from ..problem.materials import StiffnessAt
+from ..tools import sparse as sp
 from .equilibrated import EquilibratedStress
 
 ROUNDOFF = 1e-13    # of functions in terms of others, relative to the largest

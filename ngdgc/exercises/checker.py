@@ -14,9 +14,9 @@ from numbers import Number
 from typing import Any, ClassVar
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..contracts import Array
+from ..tools import sparse as sp
 
 SEED = 6                            # of the data on which functions are tried
 CLOSE = 0.1                         # relative error from which on an answer is no longer a nearly right one

@@ -6,7 +6,6 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import CF, BilinearForm, ds, dx
 
 from ..contracts import Array
@@ -18,6 +17,7 @@ from ..problem.foundation import Foundation
 from ..problem.laws import NormalCompliance
 from ..problem.materials import HookeMaterial
 from ..problem.problem import ContactProblem
+from ..tools import sparse as sp
 from .checker import Function, Value
 
 MATERIAL = HookeMaterial(E=2000, nu=0.3)

@@ -12,10 +12,10 @@ from dataclasses import dataclass
 from typing import Any, Protocol
 
 import numpy as np
-import scipy.sparse as sp
 
 from ..contracts import Array, Preconditioner, PreconditionerMaker
 from ..exceptions import ProblemError
+from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
 from ..tools.names import NameOf
 from ..tools.parallel import Batched

@@ -6,11 +6,11 @@ from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import VOL, BaseMatrix, BaseVector, FESpace
 
 from ..contracts import Preconditioner
 from ..mesh.facets import Csr, Native
+from ..tools import sparse as sp
 
 
 def Corners(space: FESpace) -> tuple[np.ndarray, np.ndarray]:

@@ -17,10 +17,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import BaseMatrix, FESpace
 
 from ..contracts import Array
+from ..tools import sparse as sp
 from .cycles import Corners
 
 CHUNK = 1 << 22     # entries of A that are brought into order at a time

@@ -24,11 +24,12 @@ from itertools import chain
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import CELL, VOL, BaseMatrix, BaseVector, ConvertOperator, CreateVVector, ElementId, H1, L2, NodeId
 
 from ..contracts import Array, Preconditioner
+from ..mesh.components import Connected
 from ..mesh.facets import Facets, Native, RigidMotionsAt
+from ..tools import sparse as sp
 from ..tools.parallel import Batched
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 from .elementblocks import ElementBlocks, ElementOrder
@@ -58,8 +59,7 @@ class PartlyContinuous:
         first, second = (table[elements] for elements in StrongNeighbours(facets))
         shared = (first > 0).multiply(second > 0)
         ends = [sp.csr_matrix(table.multiply(shared)).data.astype(np.int64) - 1 for table in (first, second)]
-        joined = sp.coo_matrix((np.ones(len(ends[0])), ends), shape=(corners, corners))
-        parts = sp.csgraph.connected_components(joined, directed=False)[1]
+        parts = Connected(corners, *ends)
         # Numbered by H1's dofs, of which those of vertices are the first.
         keys, self.copies = np.unique(self.dofs * corners + parts, return_inverse=True)
         self.size, self.vertex = len(keys), keys[keys < self.mesh.nv * corners] // corners

@@ -6,12 +6,12 @@ from typing import Any
 from zlib import crc32
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import BitArray
 
 from ..contracts import Array, Inverter
 from ..exceptions import ProblemError
 from ..mesh.facets import Free, Threads
+from ..tools import sparse as sp
 from ..tools.kinds import Short
 from ..tools.names import NameOf
 

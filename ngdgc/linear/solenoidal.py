@@ -27,13 +27,13 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import (CF, ET, VOL, BaseVector, CoefficientFunction, ConvertOperator, FESpace, Grad, H1, HDiv, Mesh, VectorH1,
                      VectorL2, grad)
 
 from ..contracts import Preconditioner
 from ..mesh.facets import Facets, Native, VolumePoints
 from ..problem.materials import StiffnessAt
+from ..tools import sparse as sp
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 
 SWOLLEN = 10        # ratio of volumetric to shear stiffness from which three solves take less time so, nu = 0.43 in 3D

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve.la import BaseMatrix
 
 from ..mesh.facets import Csr, Native
+from ..tools import sparse as sp
 
 
 def Sum(matrix: BaseMatrix, added: sp.csr_matrix) -> BaseMatrix:

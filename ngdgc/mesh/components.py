@@ -1,4 +1,4 @@
-"""Connected parts of a mesh."""
+"""Connected parts of a mesh, and of any graph."""
 
 from __future__ import annotations
 
@@ -9,11 +9,16 @@ import numpy as np
 
 def Components(facets: Any) -> np.ndarray:
     """Number of the connected part of the mesh of `facets.Facets`, over elements, in the order of their first elements."""
-    # Every element points to one of its part with a smaller number, or is the smallest; scipy.sparse.csgraph takes longer
-    # to import than this takes.
     inside = facets.incidence.indptr[:-1][(facets.neighbours > 1) & ~facets.cut]
     first, second = (facets.incidence.indices[inside + side] for side in (0, 1))
-    smallest = np.arange(facets.mesh.ne)
+    return Connected(facets.mesh.ne, first, second)
+
+
+def Connected(count: int, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Number of the connected part of every node of a graph, (count,), in the order of their first nodes, from ends of edges."""
+    # Every node points to one of its part with a smaller number, or is the smallest; scipy.sparse.csgraph takes longer to
+    # import than this takes.
+    smallest = np.arange(count)
     while np.any(apart := smallest[first] != smallest[second]):
         first, second = first[apart], second[apart]
         ends = smallest[first], smallest[second]

@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from netgen.meshing import Element1D, Element2D, MeshPoint, Pnt
 from ngsolve import Mesh
 
 from ..contracts import Array
+from ..tools import sparse as sp
+from .components import Connected
 from .facets import Facets
 
 
@@ -59,8 +60,7 @@ def _Copies(facets: Facets) -> tuple[Any, Array]:
     first, second = (table[facets.incidence.indices[starts + side]] for side in (0, 1))
     common = first.astype(bool).multiply(second.astype(bool))
     ends = [np.asarray(side.multiply(common).tocoo().data) - 1 for side in (first, second)]
-    graph = sp.coo_matrix((np.ones(len(ends[0])), ends), shape=2 * (len(vertex),))
-    group = sp.csgraph.connected_components(graph, directed=False)[1]
+    group = Connected(len(vertex), *ends)
     # Groups of a vertex in the order of their first elements; the first one keeps it.
     groups, place = np.unique(group, return_index=True)
     order = np.lexsort((place, vertex[place]))

@@ -7,7 +7,6 @@ from contextlib import AbstractContextManager, nullcontext
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import (BND, CF, ET, HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, BaseMatrix, CoefficientFunction, Discontinuous,
                      FESpace, FacetFESpace, GridFunction, IfPos, IntegrationRule, L2, LinearForm, Mesh, Projector,
                      TaskManager, dx, x, y, z)
@@ -15,6 +14,7 @@ from ngsolve.la import SparseMatrixd
 
 from ..contracts import Array
 from ..problem.frames import CARTESIAN, Cartesian
+from ..tools import sparse as sp
 from .components import Components
 from .interfaces import Interfaces
 

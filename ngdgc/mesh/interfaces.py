@@ -5,8 +5,9 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import Mesh
+
+from .components import Connected
 
 
 class Interfaces:
@@ -96,8 +97,7 @@ def _Pieces(vertices: np.ndarray, names: np.ndarray) -> tuple[np.ndarray, np.nda
     coherent = direction[pairs].prod(axis=1) < 0
     # Every facet stands twice, in its order and reversed: a piece whose two copies hang together is one-sided.
     rows, columns = np.concatenate([i, i + n]), np.concatenate([np.where(coherent, j, j + n), np.where(coherent, j + n, j)])
-    graph = sp.coo_matrix((np.ones(len(rows)), (rows, columns)), shape=(2 * n, 2 * n))
-    labels = sp.csgraph.connected_components(graph, directed=False)[1]
+    labels = Connected(2 * n, rows, columns)
     forward, reverse = labels[:n], labels[n:]
     piece = np.where(forward == reverse, 2 * n + np.arange(n), np.minimum(forward, reverse))
     return np.unique(piece, return_inverse=True)[1].ravel(), np.where(forward <= reverse, 1, -1)

@@ -9,12 +9,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import BaseMatrix
 
 from ..contracts import Array, Form
 from ..exceptions import ProblemError
 from ..mesh.facets import Csr, Native
+from ..tools import sparse as sp
 
 TOL = 1e-3      # of the residual of an eigenvector; eigenvalues, also clustered ones, come out to a relative 1e-4
 START = 1       # seed of the first Lanczos vector: the same numbers in every run

@@ -10,7 +10,6 @@ from functools import cached_property
 from typing import Any, cast
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import GridFunction
 
 from ..blocks.batches import FacetPatch
@@ -22,6 +21,7 @@ from ..exceptions import ProblemError
 from ..linear.equations import CheckDiscretization
 from ..mesh.facets import Facets
 from ..problem.problem import ContactProblem
+from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
 from ..tools.values import HIGHEST, Integer
 

@@ -15,13 +15,13 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import (VOL, BaseMatrix, BilinearForm, CoefficientFunction, ElementId, FESpace, GridFunction, InnerProduct, L2,
                      MatrixValued, dx)
 
 from ..contracts import Array
 from ..mesh.facets import Csr, Facets, Native
 from ..problem.problem import ContactProblem
+from ..tools import sparse as sp
 from .guarantee import Guarantee
 from .symbolform import Coefficients, Part, SkeletonForm
 

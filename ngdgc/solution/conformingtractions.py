@@ -20,7 +20,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import VOL, BilinearForm, ElementId, GridFunction, ds, dx
 
 from ..contact.boundary import TraceMatrix
@@ -31,6 +30,8 @@ from ..discrete.springs import SpringMatrices
 from ..mesh.facets import Free, Threads
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
 from ..methods.symbolform import Coefficients
+from ..problem.materials import Strain
+from ..tools import sparse as sp
 from .cuts import CutSpace
 from .tractions import FacetFunctions, FacetTractions
 

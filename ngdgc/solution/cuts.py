@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import BND, VOL, Discontinuous, ElementId
 
+from ..mesh.components import Connected
 from ..mesh.facets import Facets
+from ..tools import sparse as sp
 
 
 class CutSpace:
@@ -37,8 +38,8 @@ class CutSpace:
         pairs = [side.multiply(common).tocsr() for side in (one, two)]
         for side in pairs:
             side.sort_indices()
-        graph = sp.coo_matrix((np.ones(common.nnz), [side.data - 1 for side in pairs]), shape=2 * (len(copies),))
-        count, part = sp.csgraph.connected_components(graph, directed=False)
+        part = Connected(len(copies), *(side.data - 1 for side in pairs))
+        count = part.max() + 1
         self.parts = sp.csr_matrix((np.ones(len(copies)), (copies, part)), shape=(self.broken.ndof, count))
         self.dofs = np.empty(count, dtype=int)
         self.dofs[part] = dofs

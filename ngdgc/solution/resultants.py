@@ -11,7 +11,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 
 from ..contracts import Array
@@ -19,6 +18,7 @@ from ..discrete.problem import DiscreteProblem
 from ..linear.motions import ProjectedMotions
 from ..mesh.facets import Free, RigidMotionsAt, VolumePoints
 from ..methods.symbolform import Coefficients
+from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
 from .conformingtractions import AddedForce
 

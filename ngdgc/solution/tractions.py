@@ -6,13 +6,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import BND, FacetFESpace, ElementId, GridFunction
 
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..mesh.facets import Facets
 from ..mesh.quadrature import BoundaryQuadrature
+from ..tools import sparse as sp
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,7 @@ from .newton.solver import SemismoothNewtonSolver
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
 COARSEST = 20                   # contact points that need no prediction
 STARTS, UNKNOWNS = 5, 300_000   # other starts than rest, and unknowns that are solved for with all of them together
+PAIRS = 2_000_000               # distances along a curve that take less time than it takes to import a tree to search
 MANY = 256                      # contact points on a curve that four times fewer predict well
 
 
@@ -171,13 +172,25 @@ def Transfer(coarse: ContactSolution, contact: ContactBoundary) -> tuple[Array, 
     return displacement, traction
 
 
+def Nearest(points: Array, targets: Array, count: int) -> tuple[Array, Array]:
+    """Distances (m, count) of the points (n, d) that are nearest to targets (m, d), and their numbers, nearest ones first."""
+    # Of neighbours at one distance, of which surfaces have many, the tree takes others.
+    if points.shape[1] == 3 or len(points) * len(targets) > PAIRS:
+        from scipy.spatial import cKDTree  # slow to import
+
+        distances, nearest = cKDTree(points).query(targets, k=np.arange(1, count + 1))
+        return distances, nearest
+    squares = ((targets[:, None] - points) ** 2).sum(axis=2)
+    nearest = np.argpartition(squares, count - 1, axis=1)[:, :count]
+    row = np.arange(len(targets))[:, None]
+    nearest = nearest[row, np.argsort(squares[row, nearest], axis=1, kind="stable")]
+    return np.sqrt(squares[row, nearest]), nearest
+
+
 def LocalFit(points: Array, values: Array, targets: Array, normals: Array) -> Array:
     """Values (m, c) at targets (m, d) on a surface with these normals, from values (n, c) at points (n, d)."""
-    from scipy.spatial import cKDTree  # slow to import
-
     dim = points.shape[1]
-    count = min(NEIGHBOURS[dim], len(points))
-    distances, nearest = cKDTree(points).query(targets, k=np.arange(1, count + 1))
+    distances, nearest = Nearest(points, targets, min(NEIGHBOURS[dim], len(points)))
     size = distances.max(axis=1)
     size[size == 0] = 1       # where joints cross several points lie in one place
     offsets = (points[nearest] - targets[:, None]) / size[:, None, None]

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 
 import numpy as np
-import scipy as sp
 
 from ...contact.graph import ContactGraph, GraphPoint
 from ...contracts import Array
@@ -89,7 +88,9 @@ class Path:
     def _H(self, z: Array) -> tuple[Array, Array]:
         """(H, [dH/dv, dH/ds]) in units of `size` at z = (v, s), q = gamma size v."""
         s, point = z[-1], self._Point(z)
-        slope, t = sp.linalg.block_diag(*point.derivative), point.traction.ravel()
+        from scipy.linalg import block_diag     # slow to import
+
+        slope, t = block_diag(*point.derivative), point.traction.ravel()
         own, other = t / self.scale, self.S @ t
         H = point.displacement.ravel() - self.free + (1 - s) * own + s * other
         operator = np.diag((1 - s) / self.scale) + s * self.S

@@ -15,7 +15,6 @@ from copy import copy
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 from ngsolve import BaseMatrix, L2
 
 from ...contracts import Array, Inverse
@@ -27,6 +26,7 @@ from ...linear.factorisations import DirectMemory, Factorised, Operator
 from ...linear.motions import WithResultants
 from ...linear.multigrid import PartlyContinuous
 from ...mesh.facets import Native, Threads
+from ...tools import sparse as sp
 from ...tools.memory import CheckMemory
 
 EXACT = 1e-15       # relative residual of functions that are in X_h

@@ -77,7 +77,7 @@ class Adjoint:
         """
         fine, slope = self.fine, self.contact.slope
         symmetric = np.abs(slope - np.swapaxes(slope, 1, 2)).max(initial=0) <= SYMMETRIC
-        inverter = INVERTERS["umfpack" if not symmetric else Direct() if fine.wanted == "auto" else str(fine.wanted)]
+        inverter = INVERTERS["umfpack" if not symmetric else Direct(fine.mesh.dim) if fine.wanted == "auto" else str(fine.wanted)]
         with Threads(fine.mesh):
             return Made(inverter, Sum(fine.matrix, self.contact.Matrix().T.tocsr()), fine)
 

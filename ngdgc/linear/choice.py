@@ -1,7 +1,7 @@
 """Which inverse solves the linear equations: chosen by symmetry, dimension, size, material and memory, or given by a user.
 
 sparsecholesky : NGSolve's factorisation, the usual choice
-pardisospd : the factorisation of the library MKL, where it is installed (`pip install ngdgc[mkl]`)
+pardisospd : the factorisation of the library MKL, in 3D the usual choice where it is installed (`pip install ngdgc[mkl]`)
 umfpack : for unsymmetric matrices, of which a Cholesky factorisation would be wrong without a word
 iterative : preconditioned conjugate gradients (`conjugategradients` module), in 3D for discontinuous methods whose factors
     would take long and much memory
@@ -68,12 +68,12 @@ def Best(disc: Any) -> str:
         return "umfpack"
     if disc.mesh.dim == 3 and disc.method.iterative and Iterated(disc):
         return "iterative"
-    return Direct()
+    return Direct(disc.mesh.dim)
 
 
-def Direct() -> str:
-    """The name of the fastest factorisation of symmetric matrices that is installed."""
-    return "pardisospd" if HasPardiso() else "sparsecholesky"
+def Direct(dim: int) -> str:
+    """The name of the fastest factorisation of symmetric matrices that is installed: in 2D MKL's takes longer, and more memory."""
+    return "pardisospd" if dim == 3 and HasPardiso() else "sparsecholesky"
 
 
 def Iterated(disc: Any) -> bool:

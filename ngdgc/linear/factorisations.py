@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache
 from typing import Any
@@ -34,15 +35,18 @@ class Factorisation:
 
 
 class Operator:
-    """What NGSolve makes and applies, such as matrix.Inverse(free), as an `Inverse`."""
+    """What NGSolve makes and applies, such as matrix.Inverse(free), as an `Inverse`.
 
-    def __init__(self, operator: Any, mesh: Any) -> None:
+    mesh : for whose size threads may pay; None: one thread
+    """
+
+    def __init__(self, operator: Any, mesh: Any = None) -> None:
         self.operator, self.mesh = operator, mesh
 
     def Solve(self, load: Array) -> Array:
         source, target = self.operator.CreateRowVector(), self.operator.CreateColVector()
         source.FV().NumPy()[:] = load
-        with Threads(self.mesh):
+        with Threads(self.mesh) if self.mesh else nullcontext():
             target.data = self.operator * source
         return target.FV().NumPy().copy()
 

@@ -15,7 +15,7 @@ def Components(facets: Any) -> np.ndarray:
 
 
 def Connected(count: int, first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Number of the connected part of every node of a graph, (count,), in the order of their first nodes, from ends of edges."""
+    """Number of the connected part of each node of a graph, (count,), by the first node of each, from the ends of its edges."""
     # Every node points to one of its part with a smaller number, or is the smallest; scipy.sparse.csgraph takes longer to
     # import than this takes.
     smallest = np.arange(count)

@@ -15,6 +15,7 @@ from ngsolve.la import SparseMatrixd
 from ..contracts import Array
 from ..problem.frames import CARTESIAN, Cartesian
 from ..tools import sparse as sp
+from ..tools.parallel import Idle
 from .components import Components
 from .interfaces import Interfaces
 
@@ -63,8 +64,11 @@ def Native(matrix: sp.csr_matrix) -> BaseMatrix:
 
 
 def Threads(mesh: Mesh) -> AbstractContextManager[object]:
-    """NGSolve's threads for a loop over this mesh: starting them costs more than a small mesh, much more on a busy machine."""
-    return TaskManager() if mesh.ne > THREADED else nullcontext()
+    """NGSolve's threads for a loop over this mesh, or one thread: starting them costs more than a small mesh.
+
+    They wait for the slowest of them, so that on a processor that another process keeps busy all take twice as long as one.
+    """
+    return TaskManager() if mesh.ne > THREADED and Idle() else nullcontext()
 
 
 def Curved(mesh: Mesh) -> bool:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from ngsolve import Mesh
@@ -184,7 +184,7 @@ def Nearest(points: Array, targets: Array, count: int) -> tuple[Array, Array]:
     nearest = np.argpartition(squares, count - 1, axis=1)[:, :count]
     row = np.arange(len(targets))[:, None]
     nearest = nearest[row, np.argsort(squares[row, nearest], axis=1, kind="stable")]
-    return np.sqrt(squares[row, nearest]), nearest
+    return np.sqrt(squares[row, nearest]), cast(Array, nearest)
 
 
 def LocalFit(points: Array, values: Array, targets: Array, normals: Array) -> Array:

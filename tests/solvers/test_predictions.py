@@ -4,8 +4,10 @@ import time
 from itertools import count
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from mistakes import Disc
+from scipy.spatial import cKDTree
 
 from ngdgc import NotConvergedError
 from ngdgc.solvers import nested
@@ -42,3 +44,14 @@ def test_larger_problems_get_fewer_other_starts(unknowns, others, monkeypatch):
     with pytest.raises(NotConvergedError, match="rest"):
         nested.FromPrediction(solver, disc, PREDICTION, None)
     assert solver.starts == ["prediction", "rest"] + others * ["other"]
+
+
+@pytest.mark.parametrize("pairs", [nested.PAIRS, 0], ids=["computed", "tree"])
+@pytest.mark.parametrize("dim", [2, 3])
+def test_nearest_points(dim, pairs, monkeypatch):
+    monkeypatch.setattr(nested, "PAIRS", pairs)
+    points, targets = np.random.default_rng(1).random((50, dim)), np.random.default_rng(2).random((30, dim))
+    for count in (1, 4, 50):
+        distances, nearest = nested.Nearest(points, targets, count)
+        wanted, numbers = cKDTree(points).query(targets, k=np.arange(1, count + 1))
+        assert np.array_equal(nearest, numbers) and np.allclose(distances, wanted, rtol=1e-15, atol=0)

@@ -90,7 +90,8 @@ class Subspace(LinearEquations):
         nodes = self.mesh.nv + int(Near(self.disc).sum())
         CheckMemory(DirectMemory(nodes, matrix.nze, self.mesh.dim), f"the factors of {matrix.height} unknowns",
                         "a smaller foundation, ")
-        return Operator(Factorised(matrix, None, Direct(), self.mesh.dim), self.mesh)
+        # In one thread, like conjugate gradients: others would take longer to begin than one solution takes.
+        return Operator(Factorised(matrix, None, Direct(self.mesh.dim), self.mesh.dim))
 
 
 def Prolongation(disc: DiscreteProblem) -> sp.csr_matrix:

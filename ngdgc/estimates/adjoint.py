@@ -77,7 +77,8 @@ class Adjoint:
         """
         fine, slope = self.fine, self.contact.slope
         symmetric = np.abs(slope - np.swapaxes(slope, 1, 2)).max(initial=0) <= SYMMETRIC
-        inverter = INVERTERS["umfpack" if not symmetric else Direct(fine.mesh.dim) if fine.wanted == "auto" else str(fine.wanted)]
+        wanted = Direct(fine.mesh.dim) if fine.wanted == "auto" else str(fine.wanted)
+        inverter = INVERTERS[wanted if symmetric else "umfpack"]
         with Threads(fine.mesh):
             return Made(inverter, Sum(fine.matrix, self.contact.Matrix().T.tocsr()), fine)
 

@@ -72,7 +72,7 @@ def Best(disc: Any) -> str:
 
 
 def Direct(dim: int) -> str:
-    """The name of the fastest factorisation of symmetric matrices that is installed: in 2D MKL's takes longer, and more memory."""
+    """The name of the fastest factorisation of symmetric matrices that is installed: MKL's takes longer in 2D."""
     return "pardisospd" if dim == 3 and HasPardiso() else "sparsecholesky"
 
 

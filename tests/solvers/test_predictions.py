@@ -51,7 +51,7 @@ def test_larger_problems_get_fewer_other_starts(unknowns, others, monkeypatch):
 def test_nearest_points(dim, pairs, monkeypatch):
     monkeypatch.setattr(nested, "PAIRS", pairs)
     points, targets = np.random.default_rng(1).random((50, dim)), np.random.default_rng(2).random((30, dim))
-    for count in (1, 4, 50):
-        distances, nearest = nested.Nearest(points, targets, count)
-        wanted, numbers = cKDTree(points).query(targets, k=np.arange(1, count + 1))
+    for most in (1, 4, 50):
+        distances, nearest = nested.Nearest(points, targets, most)
+        wanted, numbers = cKDTree(points).query(targets, k=np.arange(1, most + 1))
         assert np.array_equal(nearest, numbers) and np.allclose(distances, wanted, rtol=1e-15, atol=0)

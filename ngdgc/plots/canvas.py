@@ -23,6 +23,7 @@ WIDTH = 5.8     # of a figure [inch]: its 10 pt letters have 6 pt in a column of
 THICKNESS = 0.18    # of a foundation block, relative to the body
 STOUT = 0.5         # and at most, relative to its length: a narrow one would be a spike
 VISIBLE = 0.02      # but not less than that for its narrowness, relative to the body
+STILL = 2e-3        # change of limits, relative to the body, that is not seen
 APART = 4           # texts [pixel]
 PLACED = "placed"   # gid of figures whose layout is done when they are returned
 NOISE = 1e-12       # tractions that are round-off, relative to the largest
@@ -61,8 +62,13 @@ def Frame(axes: Any, xlabel: str = "x [length]", ylabel: str = "y [length]") -> 
     figure = axes.figure
     figure.set_gid(PLACED)
     axes.set(xlabel=xlabel, ylabel=ylabel)
+    before = np.full(4, np.nan)
     for _ in range(3):
         axes.autoscale_view()
+        limits = np.array([*axes.get_xlim(), *axes.get_ylim()])
+        if np.all(np.abs(limits - before) <= STILL * np.ptp(limits.reshape(2, 2), axis=1).max()):
+            break       # no text has moved them
+        before = limits
         shape = np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim())
         height = np.clip((WIDTH - 0.8) * shape, 1.8, 5.0)
         figure.set_size_inches(np.clip(height / shape, 4.4, WIDTH - 0.8) + 0.8, height + 0.8)

@@ -10,7 +10,6 @@ import numpy as np
 from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from ngsolve import VOL
-from scipy.spatial import cKDTree
 
 from ..contracts import Array
 from ..data.coefficients import EntriesAt, ValuesAt, VectorsAt
@@ -86,6 +85,8 @@ def DrawMaterials(axes: Any, disc: DiscreteProblem) -> None:
     centres = np.array([polygon.mean(axis=0) for polygon in polygons])
     for index, name in enumerate(names):
         if len(names) > 1 and np.any(number == index):
+            from scipy.spatial import cKDTree   # slow to import
+
             mine = centres[number == index]
             beyond = cKDTree(np.concatenate([OutlinePoints(disc), centres[number != index]]))
             axes.text(*mine[beyond.query(mine)[0].argmax()], name, ha="center", va="center",

@@ -30,7 +30,6 @@ from ..discrete.springs import SpringMatrices
 from ..mesh.facets import Free, Threads
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
 from ..methods.symbolform import Coefficients
-from ..problem.materials import Strain
 from ..tools import sparse as sp
 from .cuts import CutSpace
 from .tractions import FacetFunctions, FacetTractions

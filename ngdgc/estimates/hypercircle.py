@@ -38,8 +38,9 @@ def ElementConstants(disc: Any) -> Array:
     return found
 
 
-def Hypercircle(solution: Any, stress: EquilibratedStress, potential: Potential, korn: Array) -> float:
-    """The bound of the problem with the computed bound of friction; infinite if s is not in equilibrium with the load."""
+def Hypercircle(solution: Any, stress: EquilibratedStress, potential: Potential, korn: Array) -> tuple[float, float]:
+    """The bound of the problem with the computed bound of friction, infinite if s is not in equilibrium with the load, and the
+    same with tractions of the graph where they cost less (`LawGaps.softgap`)."""
     disc, order = solution.disc, solution.disc.order
     plus = minus = jumps = skew = rest = size = 0.0
     for batch in stress.Batches(lambda group: group.With(lambda shape: Split(group.et, order, shape)) if _Symmetric(group)
@@ -55,12 +56,14 @@ def Hypercircle(solution: Any, stress: EquilibratedStress, potential: Potential,
         rest += batch.Integral(np.square(force + batch.divergence).sum(axis=2)).sum()
         size += batch.Integral(np.square(force).sum(axis=2)).sum()
     if rest > (SHARP ** 2 * size if size else np.inf):
-        return np.inf
-    parts = LawPart(solution, potential, stress)
-    law = sum(gaps.weights @ gaps.gap for gaps in parts)
-    cut = np.sqrt(sum(gaps.weights @ gaps.cut for gaps in parts)) + np.sqrt(skew)
-    middle = np.sqrt(plus) + cut
-    return float((middle + np.sqrt(middle ** 2 + 4 * (law + cut * np.sqrt(jumps) - (plus - minus) / 4))) / 2)
+        return np.inf, np.inf
+    parts, found = LawPart(solution, potential, stress), []
+    for ofgap, ofcut in (("gap", "cut"), ("softgap", "softcut")):
+        law, cut = (sum(gaps.weights @ getattr(gaps, name) for gaps in parts) for name in (ofgap, ofcut))
+        cut = np.sqrt(cut) + np.sqrt(skew)
+        middle = np.sqrt(plus) + cut
+        found.append(float((middle + np.sqrt(middle ** 2 + 4 * (law + cut * np.sqrt(jumps) - (plus - minus) / 4))) / 2))
+    return found[0], found[1]
 
 
 def _Symmetric(group: ElementGroup) -> bool:

@@ -50,6 +50,7 @@ class LawGaps:
 
     gap : Fenchel and Young's, normal and friction;  envelope : what counts of it in an estimate;
     infeasible : h/(2 mu) |what of t was replaced|^2;  cut : that of what no law can give alone, which belongs to `gap`
+    softgap, softcut : gap, and what was replaced, with the tractions of the graph on facets where that costs less
     """
 
     elements: Any
@@ -58,6 +59,8 @@ class LawGaps:
     envelope: Array
     infeasible: Array
     cut: Array
+    softgap: Array
+    softcut: Array
 
 
 def LawPart(solution: Any, potential: Potential, stress: EquilibratedStress) -> list[LawGaps]:
@@ -130,7 +133,11 @@ class FoundationPoints:
         cost = [np.bincount(self._facet, self.quadrature.weights * (2 * law + rest)) for law, rest in (kept, moved)]
         better = (cost[1] < cost[0])[self._facet]
         envelope, infeasible = (np.where(better, moved[n], kept[n]) for n in (0, 1))
-        return LawGaps(self.quadrature.elements, self.quadrature.weights, given.gap, envelope, infeasible, kept[1])
+        whole, graph = (given.gap, kept[1]), (pair.left, moved[1])
+        cost = [np.bincount(self._facet, self.quadrature.weights * (2 * gap + rest)) for gap, rest in (whole, graph)]
+        softer = (cost[1] < cost[0])[self._facet]
+        soft = (np.where(softer, graph[n], whole[n]) for n in (0, 1))
+        return LawGaps(self.quadrature.elements, self.quadrature.weights, given.gap, envelope, infeasible, kept[1], *soft)
 
     def Excess(self, stress: EquilibratedStress) -> Array:
         """By how much v is to be lowered at the points, (m,) [length]: to r*, on facets where that costs less than the gap.
@@ -159,6 +166,7 @@ class _Pair:
     p (m,), friction (m, d) : it;  missed (m,) : bound that the law would have beyond it, where it slips
     gap, envelope (m,) : of both parts
     near : pressure and friction of the points of the graph on the lines t + gamma u;  moved (m,) : gamma/2 |v - theirs|^2
+    left (m,) : gap of v and that traction
     """
 
     def __init__(self, at: FoundationPoints, p: Array, friction: Array, slipping: bool | np.ndarray) -> None:
@@ -176,6 +184,7 @@ class _Pair:
         left = (q - pulled) / gamma[:, None]
         self.near = self.p + gamma * (r - deep), pulled
         self.moved = gamma / 2 * ((r - deep) ** 2 + np.square(slip - left).sum(axis=1))
+        self.left = _Young(part, np.maximum(deep, 0), r, self.near[0]) + _Dissipation(bound, pulled, slip)
         raw, rubbed = _Young(part, self._depth, r, self.p), _Dissipation(bound, self.friction, slip)
         self.gap = raw + rubbed
         self.envelope = np.minimum(raw, _Young(part, self._depth, deep, self.p) + gamma / 2 * (r - deep) ** 2)

@@ -83,6 +83,13 @@ def test_gaps_of_a_linear_law_are_what_they_are_called(name, slips, order):
     better = (totals[1] < totals[0])[facet]
     np.testing.assert_allclose(gaps.envelope, np.where(better, other, envelope), rtol=1e-4, atol=1e-7)
     np.testing.assert_allclose(gaps.infeasible, np.where(better, cost, cut), rtol=1e-2, atol=1e-10)
+    # The same choice by gaps instead of envelopes, for the bound.
+    there = k * np.maximum(deep, 0)
+    left = k / 2 * np.maximum(r, 0) ** 2 + there ** 2 / (2 * k) - there * r + bound * np.abs(s) - rubbed * s
+    totals = [np.bincount(facet, gaps.weights * both) for both in (2 * gaps.gap + cut, 2 * left + cost)]
+    softer = (totals[1] < totals[0])[facet]
+    np.testing.assert_allclose(gaps.softgap, np.where(softer, left, gaps.gap), rtol=1e-8, atol=1e-12)
+    np.testing.assert_allclose(gaps.softcut, np.where(softer, cost, cut), rtol=1e-2, atol=1e-10)
 
 
 def test_both_tractions_are_taken_somewhere():

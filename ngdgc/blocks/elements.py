@@ -169,6 +169,11 @@ class GroupGeometry:
         n, measure = self._boundary[s]
         return n[self._chosen], measure[self._chosen]
 
+    def _Directed(self, vectors: Array) -> Array:
+        """Vectors (n, q, d) with a component for every direction, (n, q, directions)."""
+        missing = self.directions - self.dim
+        return np.pad(vectors, ((0, 0), (0, 0), (0, missing))) if missing else vectors
+
     def _Transmitted(self, s: int) -> Array | None:
         """P_ij (n, q, i, j) on side s: n n' on rollers, which transmit the normal part only, else the identity, or None."""
         if not self.rollers[:, s].any():

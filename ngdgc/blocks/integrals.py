@@ -21,6 +21,7 @@ from ..contracts import Array
 from ..tools.parallel import Cached
 from .elements import GroupGeometry
 from .reference import ReferenceElement, Shapes
+from .revolved import HoopEnergy
 
 Table = Callable[[ReferenceElement], Array]                      # (q, ..., functions) at the points of a reference element
 Functions = Callable[[ReferenceElement], tuple[Array, Array]]    # weights (q,) and values (q, functions)
@@ -60,10 +61,12 @@ class ElementGroup(GroupGeometry):
 
     def _EnergyDensity(self, number: int = 0) -> Array:
         """G_mj C_ijkl G_tl, the energy of reference gradients, (n, q, i, k, m, t)."""
-        (G, _), d, e = self.Geometry(number), self.dim, self.directions
+        (G, _), d = self.Geometry(number), self.dim
+        if self.directions > d:
+            return HoopEnergy(G, self.Stiffness(number))
         pairs = G[:, :, :, None, :, None] * G[:, :, None, :, None, :]           # G_mj G_tl, n q m t j l
-        density = self._Contract(pairs.reshape(*G.shape[:2], e * e, e, e), number)      # n q (m t) i k
-        return density.reshape(*density.shape[:2], e, e, d, d).transpose(0, 1, 4, 5, 2, 3)
+        density = self._Contract(pairs.reshape(*G.shape[:2], d * d, d, d), number)      # n q (m t) i k
+        return density.reshape(*density.shape[:2], d, d, d, d).transpose(0, 1, 4, 5, 2, 3)
 
     def _Sum(self, coefficient: Array, integrand: Table) -> Array:
         """sum_qx coefficient[n, ..., q, x] integrand[q, x, y] -> (n, ..., y); integrand(ReferenceElement) contains weights.
@@ -161,7 +164,8 @@ class ElementGroup(GroupGeometry):
     def TraceValue(self, s: int) -> Array:
         """M_F^-1 times `Trace`: the transmitted part of u on the side as coefficients in F_h, (n, (i b), (k a))."""
         _, measure = self.Boundary(s)
-        if measure.shape[1] > 1:
+        # A body of revolution is given in the plane, where traces are functions of F_h, whatever they are weighted with.
+        if measure.shape[1] > 1 and (self.directions == self.dim or self.rollers[:, s].any()):
             inverse, trace = self.InverseFacetMass(s), self.Trace(s)
             return (inverse[:, None] @ trace.reshape(len(trace), self.dim, self.nb(s), -1)).reshape(trace.shape)
         values = np.empty((len(measure), self.dim, self.nb(s), self.dim, self.na))
@@ -183,11 +187,6 @@ class ElementGroup(GroupGeometry):
         """n_j C_ijkl G_tl, (n, q, i, k, t)."""
         (n, _), (G, _) = self.Boundary(s), self.Geometry(1 + s)
         return self._Contract(self._Directed(n)[:, :, None, :, None] * G[:, :, :, None, :], 1 + s).transpose(0, 1, 3, 4, 2)
-
-    def _Directed(self, vectors: Array) -> Array:
-        """Vectors (n, q, d) with a component for every direction, (n, q, directions)."""
-        missing = self.directions - self.dim
-        return np.pad(vectors, ((0, 0), (0, 0), (0, missing))) if missing else vectors
 
     def _Transmit(self, s: int, coefficient: Array) -> Array:
         transmitted = self._Transmitted(s)

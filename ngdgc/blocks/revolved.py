@@ -51,3 +51,19 @@ def _Hoop(C: Array) -> Array:
     turned[..., :, :2, 0, 2] = C[..., :2, :2, 2, 2]
     turned[..., 0, 2, 0, 2] = C[..., 2, 2, 2, 2]
     return turned
+
+
+def HoopEnergy(G: Array, C: Array) -> Array:
+    """G_mj C_ijkl G_tl, (n, q, i, k, m, t), of what `Revolved` makes of G and C, whose zeros are left out."""
+    plane, hoop = G[..., :2, :2], G[..., 2, 2]
+    density = np.empty((*G.shape[:2], 2, 2, 3, 3))
+    stress = C[..., :2, :, :2].transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], 4, 4)      # n q (j l) (i k)
+    pairs = (plane[:, :, :, None, :, None] * plane[:, :, None, :, None, :]).reshape(*G.shape[:2], 4, 4)     # n q (m t) (j l)
+    density[..., :2, :2] = np.swapaxes(pairs @ stress, 2, 3).reshape(*G.shape[:2], 2, 2, 2, 2)
+    # C is symmetric, and of u_z there is no hoop strain.
+    coupled = hoop[..., None, None] * (C[..., 0, 2, :, :2] @ np.swapaxes(plane, 2, 3))      # n q k t
+    density[..., 2, :], density[..., :, 2] = 0, 0
+    density[:, :, 0, :, 2, :2] = coupled
+    density[:, :, :, 0, :2, 2] = coupled
+    density[:, :, 0, 0, 2, 2] = C[..., 0, 2, 0, 2] * hoop ** 2
+    return density

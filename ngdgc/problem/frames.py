@@ -74,7 +74,7 @@ class Cylindrical(Cartesian):
     """The mesh is half of the section of a body of revolution, whose axis is x = 0."""
 
     revolved: ClassVar[bool] = True
-    bonus: ClassVar[int] = 3        # one for r, two for 1/r
+    bonus: ClassVar[int] = 3        # one for r, two for u_r v_r/r: on sides the rule of loads, also where they are curved
     rigid: ClassVar[slice] = slice(1, 2)        # along the axis
 
     def Spatial(self, strain: Any, u: Any) -> Any:

@@ -36,7 +36,7 @@ def Faces(facets: Facets, foundation: Foundation, rules: Any, pieces: Pieces | N
     pairs = facets.doubled[:, np.isin(facets.doubled[0], number)]
     first, second = (np.flatnonzero(np.isin(number, side)) for side in pairs)
     # Both sides have their elements in one order, and these their corners and points.
-    apart = _Apart(facets, both.At(first), dict(zip(*pairs.tolist())))
+    apart = _Apart(facets, both.At(first), dict(zip(*pairs.tolist()))) & (both.weights[first] > 0)
     if not apart.any():
         raise ProblemError(f"joint {foundation.boundary!r} has no vertex between its ends at which continuous displacements "
                            "could jump; take smaller elements there, or a discontinuous method such as LDG()")

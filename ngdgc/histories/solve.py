@@ -59,7 +59,6 @@ def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
     [0, -6, -6, -4, 4]
     """
     CheckDiscretization(disc)
-    disc.problem.frame.Refuse("SolveHistory")
     CheckCallback(callback)
     solver = NestedNewtonSolver() if solver is None else solver
     if not isinstance(solver, (NestedNewtonSolver, SemismoothNewtonSolver)):

@@ -155,8 +155,6 @@ def _CheckRevolved(problem: ContactProblem) -> None:
     if problem.dim == 3:
         raise ProblemError("the data have 3 components and the body is one of revolution, which does not twist: displacements, "
                            "loads and friction lie in its section; give vectors (r, z), or take the body in space for a torque")
-    if problem.joints:
-        problem.frame.Refuse(f"joint {problem.joints[0]!r}")
 
 
 def _Regions(values: Any, name: str, convert: Callable[..., Any]) -> Mapping[str, Any]:

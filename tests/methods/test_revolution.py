@@ -4,16 +4,17 @@ import numpy as np
 import pytest
 from bodies import Mixed
 from netgen.geom2d import SplineGeometry
-from ngsolve import CF, Mesh, cos, exp, x, y
+from netgen.occ import Glue, MoveTo
+from ngsolve import CF, Integrate, Mesh, Norm, Parameter, cos, exp, x, y
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
-                   IncompleteInteriorPenalty, InteriorPenalty, NonsymmetricInteriorPenalty, NormalCompliance, PenaltyFreeLDG,
-                   ProblemError, SemismoothNewtonSolver, Solve, TrescaFriction)
+                   IncompleteInteriorPenalty, InteriorPenalty, Joint, NonsymmetricInteriorPenalty, NormalCompliance,
+                   PenaltyFreeLDG, ProblemError, SemismoothNewtonSolver, Solve, SolveHistory, TrescaFriction)
 from ngdgc.errors import EnergyError, L2Error, Rates
 from ngdgc.exact import ExactStrain
 from ngdgc.mesh.facets import Csr
-from ngdgc.meshes import RectangleMesh
+from ngdgc.meshes import RectangleMesh, ShapeMesh
 from ngdgc.methods.coercivity import CheckCoercivity, SmallestEigenvalue
 from ngdgc.methods.variants import Variants
 from ngdgc.problem.frames import Cylindrical
@@ -190,3 +191,49 @@ def test_report_table_and_hoop_stress():
     assert solution.ToJSON()["axisymmetric"] is True
     stress = np.array(SpatialStress(solution)(solution.disc.mesh(0.4, 0.5))).reshape(3, 3)
     np.testing.assert_allclose(stress, np.diag([HOOP, AXIAL, HOOP]), atol=1e-12)
+
+
+def Halves(inner):
+    """A cylinder or a ring of two halves, "lower" and "upper", with the joint z = 1/2 between them."""
+    body = Glue([MoveTo(inner, low).Rectangle(1, 0.5).Face() for low in (0, 0.5)])
+    for face in body.faces:
+        face.name = "lower" if face.center[1] < 0.5 else "upper"
+    for edge in body.edges:
+        r, z, _ = edge.center
+        edge.name = ("joint" if abs(z - 0.5) < 1e-9 else "bottom" if z < 1e-9 else "top" if z > 1 - 1e-9
+                     else "right" if r > inner + 1 - 1e-9 else "inner")
+    return ShapeMesh(body, 0.6)
+
+
+@pytest.mark.parametrize("inner", [0, 1])
+@pytest.mark.parametrize("method", [LDG(), BassiEtAl(form="lifting"), Conforming()], ids=["LDG", "Bassi", "H1"])
+def test_jump_across_a_joint(method, inner):
+    """u_z jumps by P/k; the point of the joint on the axis, where no area is, has no part in it, also with doubled nodes."""
+    lower, upper = CF((A * x, B * y)), CF((A * x, B * y + AXIAL / 80))
+    loads = {"right": (HOOP, 0)} | ({"inner": (-HOOP, 0)} if inner else {})
+    problem = ContactProblem(STEEL, Joint("joint", NormalCompliance(80)), dirichlet={"bottom": lower, "top": upper},
+                             traction=loads, axisymmetric=True)
+    solution = SHARP.Solve(Discretization(problem, method, Halves(inner), order=2))
+    mesh = solution.disc.mesh
+    assert Integrate(Norm(solution.gfu - mesh.MaterialCF({"lower": lower, "upper": upper})), mesh) < 1e-12
+    np.testing.assert_allclose(solution.pressure, -AXIAL, rtol=1e-10)
+    area = np.pi * (2 * inner + 1)
+    for material, sign in (("lower", 1), ("upper", -1)):
+        assert solution.Force("joint", material=material)[1] == pytest.approx(sign * AXIAL * area, rel=1e-11)
+
+
+@pytest.mark.parametrize("method", [LDG(), Conforming()], ids=["LDG", "H1"])
+def test_work_is_energy_along_a_history(method):
+    """Without friction the trapezoids of the work are exact, and proportional loads end in the state of Solve."""
+    t = Parameter(0)
+    problem = ContactProblem(STEEL, Foundation("bottom", NormalCompliance(200)), dirichlet={"top": (0, -0.02 * t)},
+                             traction={"right": (-0.5 * t, 0)}, axisymmetric=True)
+    disc = Discretization(problem, method, Mixed(), order=2)
+    history = SolveHistory(disc, parameter=t, times=[0.5, 1])
+    np.testing.assert_allclose(history.work, history.energy, rtol=1e-12)
+    np.testing.assert_allclose(history.forces["bottom"][-1], history[-1].Force("bottom"), atol=1e-12)
+    t.Set(1)
+    spring = history[-1].weights @ history[-1].pressure ** 2 / 400
+    # The energy of a solution has another quadrature for u_r^2/r than the matrix.
+    np.testing.assert_allclose(history[-1].energy + spring, history.energy[-1], rtol=1e-6)
+    np.testing.assert_allclose(Solve(disc).vector, history[-1].vector, atol=1e-11)

@@ -1,11 +1,10 @@
 """Mistakes with bodies of revolution, and what does not know them, as in `mistakes`."""
 
 from mistakes import SOFT, On
-from ngsolve import CF, Parameter
+from ngsolve import CF
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngdgc import (LDG, AnisotropicMaterial, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, Joint,
-                   Solve, SolveHistory)
+from ngdgc import LDG, AnisotropicMaterial, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, Solve
 from ngdgc.meshes import BoxMesh
 from ngdgc.theory.consistency import ConsistencyVector
 
@@ -36,8 +35,5 @@ REVOLUTION = [
      "foundation region 'left' lies on the axis | nothing is given | leave it out"),
     (Named("roller", 0), "roller region 'left' lies on the axis | u_r = 0 by nature | leave it out"),
     (Named("traction", (0, 0)), "traction region 'left' lies on the axis | no part of its surface | leave it out"),
-    (lambda _: Ring(foundation=Joint("left", SOFT)), "joint 'left' | for bodies that are the mesh itself | the body in space"),
     (lambda _: EstimateError(Solve(Ring())), "EstimateError | for bodies that are the mesh itself | compare with a finer mesh"),
-    (lambda _: SolveHistory(Ring(), parameter=Parameter(0), times=[1]),
-     "SolveHistory | for bodies that are the mesh itself | the body in space"),
     (lambda _: ConsistencyVector(Ring(), CF((0, 0))), "ConsistencyVector | weight 2 pi r | the body in space")]

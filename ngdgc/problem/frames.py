@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Any, ClassVar
 
 import numpy as np
-from ngsolve import CF, Grad, GridFunction, Sym, x
+from ngsolve import CF, Grad, GridFunction, IfPos, Sym, x
 
 from ..contracts import Array
 from ..exceptions import ProblemError
@@ -78,7 +78,10 @@ class Cylindrical(Cartesian):
     rigid: ClassVar[slice] = slice(1, 2)        # along the axis
 
     def Spatial(self, strain: Any, u: Any) -> Any:
-        return CF((strain[0, 0], strain[0, 1], 0, strain[1, 0], strain[1, 1], 0, 0, 0, u[0] / x), dims=(3, 3))
+        hoop = u[0] / x
+        if isinstance(u, GridFunction):     # pictures ask for values on the axis, where u_r/r is d_r u_r
+            hoop = IfPos(x - AXIS * np.asarray(u.space.mesh.ngmesh.Coordinates())[:, 0].max(), hoop, strain[0, 0])
+        return CF((strain[0, 0], strain[0, 1], 0, strain[1, 0], strain[1, 1], 0, 0, 0, hoop), dims=(3, 3))
 
     def Plane(self, tensor: Any) -> Any:
         return CF((tensor[0, 0], tensor[0, 1], tensor[1, 0], tensor[1, 1]), dims=(2, 2))

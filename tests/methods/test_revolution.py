@@ -191,6 +191,8 @@ def test_report_table_and_hoop_stress():
     assert solution.ToJSON()["axisymmetric"] is True
     stress = np.array(SpatialStress(solution)(solution.disc.mesh(0.4, 0.5))).reshape(3, 3)
     np.testing.assert_allclose(stress, np.diag([HOOP, AXIAL, HOOP]), atol=1e-12)
+    largest, _ = solution.Largest("szz")        # also at corners on the axis, where u_r/r is its limit
+    np.testing.assert_allclose(largest, HOOP, rtol=1e-10)
 
 
 def Halves(inner):
@@ -234,6 +236,6 @@ def test_work_is_energy_along_a_history(method):
     np.testing.assert_allclose(history.forces["bottom"][-1], history[-1].Force("bottom"), atol=1e-12)
     t.Set(1)
     spring = history[-1].weights @ history[-1].pressure ** 2 / 400
-    # The energy of a solution has another quadrature for u_r^2/r than the matrix.
-    np.testing.assert_allclose(history[-1].energy + spring, history.energy[-1], rtol=1e-6)
+    # The energy of the form has the jumps, too, and another quadrature for u_r^2/r.
+    np.testing.assert_allclose(history[-1].energy + spring, history.energy[-1], rtol=1e-3)
     np.testing.assert_allclose(Solve(disc).vector, history[-1].vector, atol=1e-11)

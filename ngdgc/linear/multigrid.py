@@ -30,7 +30,7 @@ from ..contracts import Array, Preconditioner
 from ..mesh.components import Connected
 from ..mesh.facets import Facets, Native, RigidMotionsAt
 from ..tools import sparse as sp
-from ..tools.parallel import Batched
+from ..tools.parallel import Batched, OneThread
 from .cycles import Correction, Corners, Cycle, Entries, Galerkin, Groups
 from .elementblocks import ElementBlocks, ElementOrder
 from .solenoidal import NeedsSolenoidal, SolenoidalLevels
@@ -116,19 +116,19 @@ def StrongNeighbours(facets: Facets) -> tuple[np.ndarray, np.ndarray]:
 class Aggregation:
     """One V-cycle of smoothed aggregation for a scipy matrix with `dim` unknowns at each vertex, rigid motions preserved."""
 
-    @Batched
     def __init__(self, matrix: sp.csr_matrix, motions: Array, dim: int) -> None:
-        import pyamg        # slow to import
+        import pyamg        # slow to import; it brings scipy's BLAS
 
         smoother = ("block_gauss_seidel", {"sweep": "symmetric"})
         # By default the prolongation is damped by an eigenvalue estimated from a random start: other steps in every run.
         damped = ("jacobi", {"omega": 1.0, "weighting": "local"})
-        self.levels = pyamg.smoothed_aggregation_solver(
-            matrix.tobsr((dim, dim)), B=motions, symmetry="symmetric", strength=("symmetric", {"theta": AGGREGATED}),
-            smooth=damped, presmoother=smoother, postsmoother=smoother, improve_candidates=None, max_coarse=COARSEST)
-        self._cycle = self.levels.aspreconditioner(cycle="V")
-        # The first time makes the pseudo-inverse on the last level, for which threads of BLAS and of NGSolve would fight.
-        self._cycle @ np.zeros(len(motions))
+        with OneThread():
+            self.levels = pyamg.smoothed_aggregation_solver(
+                matrix.tobsr((dim, dim)), B=motions, symmetry="symmetric", strength=("symmetric", {"theta": AGGREGATED}),
+                smooth=damped, presmoother=smoother, postsmoother=smoother, improve_candidates=None, max_coarse=COARSEST)
+            self._cycle = self.levels.aspreconditioner(cycle="V")
+            # The first time makes the pseudo-inverse on the last level, for which threads of BLAS would fight.
+            self._cycle @ np.zeros(len(motions))
 
     def Mult(self, b: BaseVector, x: BaseVector) -> None:
         """x = P b, NGSolve vectors."""
@@ -155,6 +155,7 @@ class VCycle:
     `elementblocks`; `free` are all dofs.
     """
 
+    @Batched
     def __init__(self, matrix: BaseMatrix, free: Any, disc: Any) -> None:
         mesh = disc.mesh
         self.order = ElementOrder(L2(mesh, order=disc.order), mesh.dim)

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import AbstractContextManager
 from functools import cache, wraps
 from itertools import islice
 from typing import Any, Generic, TypeVar, cast
@@ -22,8 +24,14 @@ Action = TypeVar("Action", bound=Callable[..., Any])
 
 
 @cache
-def _Blas() -> Any:
+def _Blas(scipy: bool) -> Any:
+    """The libraries that are loaded, without that of scipy or with it."""
     return ThreadpoolController().select(user_api="blas")
+
+
+def OneThread() -> AbstractContextManager[Any]:
+    """BLAS in one thread, that of numpy and, if it is loaded already, the other one of scipy.linalg."""
+    return cast(AbstractContextManager[Any], _Blas("scipy.linalg" in sys.modules).limit(limits=1))
 
 
 def Processors() -> list[int]:
@@ -94,7 +102,7 @@ def Batched(function: Action) -> Action:
     """
     @wraps(function)
     def Wrapped(*arguments: Any, **options: Any) -> Any:
-        with _Blas().limit(limits=1):
+        with OneThread():
             return function(*arguments, **options)
     return cast(Action, Wrapped)
 

@@ -1,5 +1,6 @@
 """Threads are taken where processors are free: what other processes keep busy is measured."""
 
+import os
 import subprocess
 import sys
 import time
@@ -51,3 +52,17 @@ def test_a_busy_process_is_seen():
             assert 0.5 < others.Measure() <= len(Processors()) + 0.2
         finally:
             other.kill()
+
+
+def test_batches_take_one_thread_of_every_library():
+    """Also of scipy's, which is loaded after the first batch."""
+    script = ("import numpy as np\nfrom threadpoolctl import threadpool_info\nfrom ngdgc.tools.parallel import Batched\n"
+              "def Threads(): return sorted(part['num_threads'] for part in threadpool_info() if part['user_api'] == 'blas')\n"
+              "Batched(np.linalg.inv)(np.eye(2))\nbefore = len(Threads())\nimport scipy.linalg\n"
+              "print(before, *Batched(Threads)(), *Threads())")
+    environment = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    words = subprocess.run([sys.executable, "-c", script], env=environment | {"OPENBLAS_NUM_THREADS": "2"}, capture_output=True,
+                           text=True, check=True).stdout.split()
+    before, inside = int(words[0]), words[1:(len(words) + 1) // 2]
+    assert len(inside) > before and set(inside) == {"1"}
+    assert "2" in words[(len(words) + 1) // 2:] or len(Processors()) == 1       # control: outside of batches

@@ -17,6 +17,7 @@ from ..solution.history import Level, Step
 from ..solution.solution import ContactSolution
 from ..solvers.driver import CheckCallback
 from ..solvers.nested import FromPrediction, LevelOf, NestedNewtonSolver, Transfer
+from ..solvers.newton.paused import PausedNewton
 from ..solvers.newton.solver import SemismoothNewtonSolver
 from ..tools.calls import ByKeyword
 from ..tools.values import Integer, PositiveNumber
@@ -128,12 +129,12 @@ class _Run:
             tol = self._LawTolerance(solution.levels)
             _Forget(solution.disc)
             start = Transfer(solution, disc.contact)
-            found, _ = FromPrediction(SemismoothNewtonSolver(tol=tol), disc, start, self.callback)
+            newton = PausedNewton(SemismoothNewtonSolver(tol=tol))
+            found, _ = FromPrediction(newton, disc, start, self.callback)
             reached = self._Measured(found, before, begin)
             if reached.measured.error <= self.tol and tol > self.law:      # the last mesh
                 steps = found.history
-                found = SemismoothNewtonSolver(tol=self.law).Solve(disc, start=(found.displacement, found.traction),
-                                                               callback=self.callback)
+                found = newton.GoOn(SemismoothNewtonSolver(tol=self.law), found, self.callback)
                 reached = self._Measured(found, before, begin, steps)
             return reached
         except KeyboardInterrupt as stop:

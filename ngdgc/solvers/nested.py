@@ -22,6 +22,7 @@ from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from .driver import CheckCallback, Current
 from .multistart import Starts
+from .newton.paused import PausedNewton
 from .newton.solver import SemismoothNewtonSolver
 
 NEIGHBOURS = {2: 4, 3: 9}       # points from which values are carried over, by dimension
@@ -102,7 +103,7 @@ class NestedNewtonSolver:
             raise error if self.coarser is None else ProblemError(f"coarser: {error}") from error
 
 
-def FromPrediction(solver: SemismoothNewtonSolver, disc: DiscreteProblem, prediction: tuple[Array, Array] | None,
+def FromPrediction(solver: SemismoothNewtonSolver | PausedNewton, disc: DiscreteProblem, prediction: tuple[Array, Array] | None,
                    callback: Callable[[Step], object] | None) -> tuple[ContactSolution, float]:
     """(solution, seconds) from the prediction, else from rest, else from other starts."""
     begin = time.perf_counter()

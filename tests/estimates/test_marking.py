@@ -10,10 +10,13 @@ from ngsolve import CF, Integrate, Mesh
 
 from ngdgc import LDG, Discretization, EstimateError, InteriorPenalty, SemismoothNewtonSolver, SolveAdaptive
 from ngdgc.cases import example_4_2
+from ngdgc.discrete.response import ContactResponse
 from ngdgc.estimates import adaptive, measures
 from ngdgc.estimates.marking import Marked
 from ngdgc.estimates.refine import Refined
 from ngdgc.meshes import BoxMesh
+from ngdgc.solvers.newton import paused
+from ngdgc.studies import savings
 
 
 @pytest.mark.parametrize("excess, count", [(1.0, 61), (0.35, 61), (0.2, 41), (0.05, 21), (0.0, 21)])
@@ -86,3 +89,29 @@ def test_a_mesh_outlives_its_geometry():
     for mesh in (Lonely(), Mixed()):
         fine = Refined(mesh, np.ones(mesh.ne, dtype=bool))
         assert fine.ne > 2 * mesh.ne and Integrate(CF(1), fine) == pytest.approx(Integrate(CF(1), mesh), rel=1e-12)
+
+
+def test_the_last_mesh_goes_on_where_it_has_stopped(monkeypatch):
+    """Where the inverse is an iteration: with its matrix, from its residual, and no digit of balance before that is needed."""
+    def Found():
+        made.clear()
+        disc = Discretization(savings.Box(), InteriorPenalty(), BoxMesh(2), order=1, inverse="iterative")
+        return adaptive.Adapt(disc, tol=0.28, goal="energy", most=10 ** 4, callback=None)
+
+    made, Factorise = [], ContactResponse._Factorise
+    monkeypatch.setattr(ContactResponse, "_Factorise", lambda self: made.append(self.disc.matrix.height) or Factorise(self))
+    solution = Found()
+    last = solution.levels[-1]
+    assert made.count(last.dofs) == 1 and solution.history[-1].residual <= 1e-10 and solution.EquilibriumResidual() < 1e-8
+    residuals = np.array([step.residual for step in solution.history])
+    stopped = np.flatnonzero(residuals <= 1e-4)[0]
+    assert 0 < stopped < len(residuals) - 1 and residuals[stopped + 1:].max() < 1e-4
+    loose = [one.EquilibriumResidual() for one in solution.earlier[1:]]
+    assert loose and 1e-10 < max(loose) < 1e-6
+    monkeypatch.setattr(paused, "CARRIED", 0.0)     # controls: conjugate gradients to the end, and runs that begin again
+    monkeypatch.setattr(paused.PausedNewton, "GoOn", lambda self, solver, found, callback: solver.Solve(
+        found.disc, start=(found.displacement, found.traction), callback=callback))
+    again = Found()
+    cycles = [sum(level.cycles for level in one.levels) for one in (again, solution)]
+    assert made.count(last.dofs) == 2 and cycles[0] > 1.2 * cycles[1]
+    assert np.abs(again.vector - solution.vector).max() < 1e-7 * np.abs(again.vector).max()

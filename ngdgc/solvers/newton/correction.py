@@ -42,10 +42,11 @@ class CorrectedRun:
     Attributes
     ----------
     run : that in X_h;  residuals : law residual after every correction
+    most : of the loads, that may be left out of balance in the end
     """
 
     def __init__(self, disc: DiscreteProblem, start: tuple[Array, Array] | None, tol: float) -> None:
-        self.disc, self.tol = disc, tol
+        self.disc, self.tol, self.most = disc, tol, MOST
         self.residuals: list[float] = []
         self.run = NewtonRun(Subspace(disc), start, tol)
 
@@ -72,7 +73,7 @@ class CorrectedRun:
 
     def _Balance(self, response: ContactResponse, vector: Array, point: GraphPoint) -> Equilibrium:
         """The iterate in equilibrium, nearly; entirely where the law holds, so that this can be believed."""
-        for goal in ({"part": PART}, {"most": MOST}):
+        for goal in ({"part": PART}, {"most": self.most}):
             iterate = response.Approach(vector, point.displacement, point.traction, **goal)
             if LawResidual(self.disc.contact, iterate) > self.tol:
                 break

@@ -65,9 +65,14 @@ class SemismoothNewtonSolver:
         load steps; SolveInterrupted, with the last iterate, on Ctrl-C.
         """
         with Current(disc) as disc:
-            start = start if start is None else _Start(start, disc.contact.normals.shape)
-            run = (CorrectedRun if disc.iterates else NewtonRun)(disc, start, self.tol)
+            run = MakeRun(disc, start, self.tol)
             return Drive(self, disc, run.Iterates(), callback, run.Diagnose, window=None)
+
+
+def MakeRun(disc: DiscreteProblem, start: tuple[Array, Array] | None, tol: float) -> NewtonRun | CorrectedRun:
+    """A run on a Discretization from a start, as `SemismoothNewtonSolver.Solve` takes it."""
+    start = start if start is None else _Start(start, disc.contact.normals.shape)
+    return CorrectedRun(disc, start, tol) if disc.iterates else NewtonRun(disc, start, tol)
 
 
 def _Start(start: Any, shape: tuple[int, ...]) -> tuple[Array, Array]:

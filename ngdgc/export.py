@@ -21,6 +21,7 @@ from .mesh.facets import Coordinates, VolumePoints
 from .solution.fields import Field, FieldOf
 from .solution.magnification import Magnification
 from .solution.solution import CheckSolution, ContactSolution
+from .solution.turned import CheckTurned, DrawTurned
 from .solution.vtkfields import WriteBody, WriteContact, WriteSteps
 from .tools.calls import ByKeyword
 from .tools.kinds import Short
@@ -89,12 +90,16 @@ class Scene:
     scale : the deformation is drawn at `scale` times the displacement, 1 is real, "auto" one at which it is seen; a slider runs
         from the undeformed body to it
 
+    turned : True shows a body of revolution in space, three quarters of it (`solution.turned`), in place of its section
+
     The elements move with their own one-sided displacements, so the jumps of a DG solution show.  Nothing is loaded from a
     network, neither in the notebook nor by the page that `Write` makes.
     """
 
-    def __init__(self, solution: ContactSolution, *, field: Any = "displacement", scale: float | Literal["auto"] = 1) -> None:
+    def __init__(self, solution: ContactSolution, *, field: Any = "displacement", scale: float | Literal["auto"] = 1,
+                 turned: bool = False) -> None:
         CheckSolution(solution)
+        self.turned = CheckTurned(solution, turned)
         self.solution, self.scale = solution, Magnification(solution, scale)
         self.field = FieldOf(solution, field)
 
@@ -115,7 +120,8 @@ class Scene:
     def Page(self) -> str:
         """The text of the page."""
         # The viewer blends positions linearly: between the undeformed body and the deformed one in the same colours.
-        states = [_State(self.solution, self.field, scale, [self.solution]) for scale in (0, self.scale)]
+        states = [DrawTurned(self.solution, self.field, scale, colors=COLOURS, light=LIGHT) if self.turned else
+                  _State(self.solution, self.field, scale, [self.solution]) for scale in (0, self.scale)]
         return _Page(states, self.solution, self.field, self.scale, labels=None)
 
 

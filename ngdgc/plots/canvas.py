@@ -57,6 +57,12 @@ def Unconverged(solution: ContactSolution) -> str:
     return "" if solution.converged else ", NOT CONVERGED"
 
 
+def Labels(disc: DiscreteProblem) -> tuple[str, str]:
+    """Of the axes of a plane mesh, which those of a body of revolution have other names for."""
+    across, up, *_ = disc.problem.frame.axes
+    return f"{across} [length]", f"{up} [length]"
+
+
 def Frame(axes: Any, xlabel: str = "x [length]", ylabel: str = "y [length]") -> Figure:
     """Limits around everything, texts included, and a figure of the same shape."""
     figure = axes.figure

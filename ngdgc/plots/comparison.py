@@ -15,7 +15,7 @@ from ..solution.magnification import Magnification
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Panel, Unconverged
+from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Labels, Panel, Unconverged
 from .curves import Along, Left
 from .deformed import DrawElements
 from .solid import DrawMap, TangentFrame, TangentLabel
@@ -106,8 +106,9 @@ def _DrawBodies(figure: Any, solutions: Mapping[str, ContactSolution], scale: fl
         axes.autoscale_view()
         axes.set_title(label, fontsize=10)
         axes.spines[["top", "right"]].set_visible(False)
-    figure.supxlabel(f"x [length], displacement x {scale:g}", fontsize=10)
-    figure.supylabel("y [length]", fontsize=10)
+    across, up = Labels(next(iter(solutions.values())).disc)
+    figure.supxlabel(f"{across}, displacement x {scale:g}", fontsize=10)
+    figure.supylabel(up, fontsize=10)
 
 
 def _Maps(solutions: Mapping[str, ContactSolution], scale: float) -> Figure:

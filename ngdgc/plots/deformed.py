@@ -16,7 +16,7 @@ from ..solution.magnification import Magnification
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import RED, DrawBlock, Frame, PlaneAxes, Thickness, Unconverged
+from .canvas import RED, DrawBlock, Frame, Labels, PlaneAxes, Thickness, Unconverged
 from .curves import Curves, ElementOutlines, FoundationCurves, Left, SplitByElement
 from .surface import DeformedSurface
 
@@ -61,7 +61,7 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
     magnified = "displacement x 1" if scale == 1 else f"displacement and gap x {scale:g}"
     axes.set_title(f"{disc.method.name}, order {disc.order}, {disc.mesh.ne} elements\n{magnified}, "
                    f"max |u| = {np.linalg.norm(u, axis=1).max():.3g}{Unconverged(solution)}", fontsize=10)
-    return Frame(axes)
+    return Frame(axes, *Labels(disc))
 
 
 def DrawElements(axes: Any, solution: ContactSolution, scale: float) -> Array:

@@ -19,7 +19,7 @@ from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from ..tools.values import Vectors
-from .canvas import Frame, LabelAt, LabelBeside, PlaneAxes, Unconverged
+from .canvas import Frame, LabelAt, LabelBeside, Labels, PlaneAxes, Unconverged
 from .curves import Curve, Curves, Literal, OutlinePoints
 from .patches import CutPatches, ColourPatches, PlanePatches, SurfacePatches
 from .regions import SurfaceFaces
@@ -115,7 +115,7 @@ def _Plane(solution: ContactSolution, field: Field, limits: Array | None) -> Fig
         if curves:
             LabelAt(axes, max(curves, key=lambda curve: curve.s[-1]), 0.03 * size, name)
     axes.set_title(_Title(solution, field, values), fontsize=10)
-    return Frame(axes)
+    return Frame(axes, *Labels(disc))
 
 
 def _Surface(solution: ContactSolution, field: Field, limits: Array | None, view: Any) -> Figure:

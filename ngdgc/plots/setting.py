@@ -16,9 +16,10 @@ from ..data.coefficients import EntriesAt, ValuesAt, VectorsAt
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..mesh.facets import Coordinates, VolumePoints
+from ..problem.frames import AXIS
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import BLUE, GREEN, PURPLE, RED, VERMILION, DrawBlock, Frame, LabelAt, PlaneAxes, Thickness
+from .canvas import BLUE, GREEN, PURPLE, RED, VERMILION, DrawBlock, Frame, LabelAt, Labels, PlaneAxes, Thickness
 from .curves import Curve, Curves, ElementOutlines, FoundationCurves, Left, Literal, OutlinePoints, SplitByElement
 from .settingsolid import SettingSurface
 from .words import Prescribed, Span
@@ -66,7 +67,7 @@ def SettingFigure(disc: DiscreteProblem, *, view: Sequence[float] | None = None)
             LabelAt(axes, max(curves, key=lambda curve: curve.s[-1]), clear + 0.03 * symbols.size, f"{name}\n{words}")
     if problem.bodyforce is not None:
         symbols.BodyForce()
-    return Frame(axes)
+    return Frame(axes, *Labels(disc))
 
 
 def _Values(at: Callable[..., Array], value: Any, curves: Sequence[Curve], name: str) -> Array:
@@ -108,6 +109,10 @@ class _Symbols:
             self.axes.plot(*curve.coordinates.T, color=colour, linewidth=width, solid_capstyle="round")
 
     def Free(self, region: None, curves: Sequence[Curve]) -> tuple[str, float]:
+        if self.problem.axisymmetric and all(np.abs(curve.coordinates[:, 0]).max() < AXIS * self.size for curve in curves):
+            for curve in curves:
+                self.axes.plot(*curve.coordinates.T, color="#333333", linewidth=1, linestyle="dashdot")
+            return "axis of revolution", 0
         self._Line(curves, "#333333", 1)
         return "free", 0
 

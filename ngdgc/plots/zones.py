@@ -16,7 +16,7 @@ from ..contracts import Array
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import WIDTH, ZONE_COLOURS, Frame, PlaneAxes, Unconverged
+from .canvas import WIDTH, ZONE_COLOURS, Frame, Labels, PlaneAxes, Unconverged
 from .curves import GAP, Along, Curve, Curves, OutlinePoints
 from .solid import DrawMap, TangentFrame, TangentLabel
 
@@ -61,7 +61,7 @@ def ZonesFigure(solution: ContactSolution) -> Figure:
             axes.plot(*tips.T, color=EDGE, linewidth=0.8)
     axes.set_title(f"largest pressure $p_n$ = {largest:.4g} [stress]{Unconverged(solution)}", fontsize=10)
     _Legend(figure, solution)
-    return Frame(axes)
+    return Frame(axes, *Labels(disc))
 
 
 def _Stretches(curve: Curve, s: Array) -> Iterator[Any]:
@@ -91,8 +91,9 @@ def _Maps(solution: ContactSolution) -> Figure:
 
 
 def _Legend(figure: Figure, solution: ContactSolution) -> None:
-    sizes = solution.ZoneLengths()
+    sizes, flat = solution.ZoneLengths(), solution.disc.mesh.dim == 2 and not solution.disc.problem.axisymmetric
+    words = "length" if flat else "area"
     figure.legend(handles=[Patch(facecolor=colour, edgecolor=EDGE, label=f"{zone} {sizes[zone]:.3g}")
                            for colour, zone in zip(ZONE_COLOURS, ZONES)],
                   loc="outside lower center", ncols=len(ZONES), frameon=False,
-                  title=f"{'length' if solution.disc.mesh.dim == 2 else 'area'} of the zones", title_fontsize=10)
+                  title=f"{words} of the zones", title_fontsize=10)

@@ -28,10 +28,12 @@ class Cartesian:
 
     directions : of the derivatives in a strain, or None for as many as the mesh has dimensions
     bonus : quadrature degrees that integrals need beyond those of products of two functions
+    axes : letters of the directions, t for theta
     rigid : which of the rigid motions of `mesh.facets.RigidMotions` cost no energy
     """
 
     revolved: ClassVar[bool] = False
+    axes: ClassVar[str] = "xyz"
     bonus: ClassVar[int] = 0
     rigid: ClassVar[slice] = slice(None)
 
@@ -74,6 +76,7 @@ class Cylindrical(Cartesian):
     """The mesh is half of the section of a body of revolution, whose axis is x = 0."""
 
     revolved: ClassVar[bool] = True
+    axes: ClassVar[str] = "rzt"
     bonus: ClassVar[int] = 3        # one for r, two for u_r v_r/r: on sides the rule of loads, also where they are curved
     rigid: ClassVar[slice] = slice(1, 2)        # along the axis
 

@@ -17,7 +17,6 @@ from ..problem.materials import HookeMaterial
 from ..tools.calls import ByKeyword
 from ..tools.names import Known
 
-DIRECTIONS = "xyz"
 LENGTH, STRESS = "[length]", "[stress]"
 ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))      # of a symmetric matrix
 
@@ -53,7 +52,7 @@ class Field:
 
 def _Names(solution: Any) -> dict[str, tuple[Callable[[], Any], str, str, str]]:
     """{name: (how to make the function, symbol, plain words, unit)}."""
-    dim = solution.disc.mesh.dim
+    dim, axes = solution.disc.mesh.dim, solution.disc.problem.frame.axes
     def Component(i: int) -> Any:
         return solution.gfu[i]
 
@@ -62,14 +61,15 @@ def _Names(solution: Any) -> dict[str, tuple[Callable[[], Any], str, str, str]]:
 
     names: dict[str, tuple[Callable[[], Any], str, str, str]] = {
         "displacement": (lambda: Norm(solution.gfu), "|u|", "|u|", LENGTH)}
-    for i, axis in enumerate(DIRECTIONS[:dim]):
+    for i, axis in enumerate(axes[:dim]):
         names[f"u{axis}"] = partial(Component, i), f"$u_{axis}$", f"u{axis}", LENGTH
     for name, words, Make in (("vonmises", "von Mises stress", VonMises), ("meanstress", "mean stress", _Mean)):
         names[name] = partial(_Of, Make, solution), words, words, STRESS
     for i, j in ENTRIES:
         if i == j or j < dim:
-            pair = DIRECTIONS[i] + DIRECTIONS[j]
-            names[f"s{pair}"] = partial(Entry, i, j), f"$\\sigma_{{{pair}}}$", f"s{pair}", STRESS
+            pair = axes[i] + axes[j]
+            symbol = pair.replace("t", r"\theta")
+            names[f"s{pair}"] = partial(Entry, i, j), f"$\\sigma_{{{symbol}}}$", f"s{pair}", STRESS
     return names
 
 
@@ -77,7 +77,7 @@ def FieldOf(solution: Any, field: Any) -> Field:
     """The `Field` of a solution that is meant: one of its own by name, or any scalar CoefficientFunction on its mesh.
 
     Names: displacement (|u|), ux, uy, uz; vonmises, meanstress (tr(sigma)/3), sxx, syy, szz, sxy, sxz, syz.  In 2D szz is
-    the stress across the plane, as for `SpatialStress`.
+    the stress across the plane, as for `SpatialStress`.  Of a body of revolution: ur, uz, srr, szz, srz, and stt around.
     """
     names = _Names(solution)
     if isinstance(field, str):

@@ -84,8 +84,7 @@ class Quantities:
         [stress]; slip_x, ... [length]; zone; weight [length^(d-1)].  Of a body of revolution r and z in place of x and y.
         """
         solution: Any = self
-        contact = self.disc.contact
-        axes = "rz" if self.disc.problem.axisymmetric else "xyz"[:self.disc.mesh.dim]
+        contact, axes = self.disc.contact, self.disc.problem.frame.axes[:self.disc.mesh.dim]
         regions = [(part.foundation.boundary, part.points) for part in contact.parts]
         width = max(len(name) for name, _ in regions)
         columns: dict[str, Any] = {"region": np.full(len(contact.weights), "", dtype=f"U{width}")}

@@ -5,7 +5,7 @@ import pytest
 from bodies import Mixed
 from netgen.geom2d import SplineGeometry
 from netgen.occ import Glue, MoveTo
-from ngsolve import CF, Integrate, Mesh, Norm, Parameter, cos, exp, x, y
+from ngsolve import BND, CF, Integrate, Mesh, Norm, Parameter, cos, exp, x, y
 from ngsolve.meshes import MakeStructured2DMesh
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
@@ -13,12 +13,14 @@ from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discr
                    PenaltyFreeLDG, ProblemError, SemismoothNewtonSolver, Solve, SolveHistory, TrescaFriction)
 from ngdgc.errors import EnergyError, L2Error, Rates
 from ngdgc.exact import ExactStrain
+from ngdgc.export import Scene
 from ngdgc.mesh.facets import Csr
 from ngdgc.meshes import RectangleMesh, ShapeMesh
 from ngdgc.methods.coercivity import CheckCoercivity, SmallestEigenvalue
 from ngdgc.methods.variants import Variants
 from ngdgc.problem.frames import Cylindrical
 from ngdgc.solution.fields import SpatialStress
+from ngdgc.solution.turned import Turned
 
 STEEL = HookeMaterial(E=100, nu=0.3)
 A, B, C = 0.01, -0.05, -0.02        # u_r = A r, u_z = B z + C
@@ -191,7 +193,7 @@ def test_report_table_and_hoop_stress():
     assert solution.ToJSON()["axisymmetric"] is True
     stress = np.array(SpatialStress(solution)(solution.disc.mesh(0.4, 0.5))).reshape(3, 3)
     np.testing.assert_allclose(stress, np.diag([HOOP, AXIAL, HOOP]), atol=1e-12)
-    largest, _ = solution.Largest("szz")        # also at corners on the axis, where u_r/r is its limit
+    largest, _ = solution.Largest("stt")        # also at corners on the axis, where u_r/r is its limit
     np.testing.assert_allclose(largest, HOOP, rtol=1e-10)
 
 
@@ -239,3 +241,21 @@ def test_work_is_energy_along_a_history(method):
     # The energy of the form has the jumps, too, and another quadrature for u_r^2/r.
     np.testing.assert_allclose(history[-1].energy + spring, history.energy[-1], rtol=1e-3)
     np.testing.assert_allclose(Solve(disc).vector, history[-1].vector, atol=1e-11)
+
+
+def test_turned_body_has_the_surface_of_three_quarters():
+    """Of a cylinder and of a ring: both cuts and what is around; its values are those of the section, also deformed."""
+    for inner in (0, 1):
+        mesh = MakeStructured2DMesh(quads=bool(inner), nx=2, ny=2, mapping=lambda s, t, inner=inner: (inner + s, t))
+        foundation = Foundation("bottom", NormalCompliance(10))
+        problem = ContactProblem(STEEL, foundation, traction={"top": (0, -1)}, axisymmetric=True)
+        solution = Solve(Discretization(problem, LDG(), mesh, order=2))
+        body, value, displacement = Turned(solution, x * y)
+        # A cylinder of 36 facets in three quarters.
+        polygon = 36 * 2 * np.sin(0.75 * np.pi / 36)
+        around = polygon * ((inner + 1) + inner + np.cos(0.75 * np.pi / 36) * ((inner + 1) ** 2 - inner ** 2))
+        assert Integrate(CF(1), body, BND) == pytest.approx(2 + around, rel=1e-12)
+        assert value.vec.FV().NumPy().max() == pytest.approx(inner + 1)
+        lowest = displacement.vec.FV().NumPy().reshape(3, -1)[2].min()
+        assert lowest == pytest.approx(solution.gfu[1](solution.disc.mesh(inner + 0.5, 1 - 1e-9)), rel=0.02)
+    assert len(Scene(solution).Page()) < len(Scene(solution, turned=True).Page())

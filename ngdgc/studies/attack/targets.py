@@ -222,6 +222,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "traction": lambda s: {"left": s.Vector(0.1)}, "force": lambda s: {"right": (0.1,) * s.dim},
     "bodyforce": lambda s: s.Vector(0.1),
     "axisymmetric": lambda s: False,
+    "turned": lambda s: False,
     "units": lambda s: s.Choose(None, ("mm", "MPa")),
     "r": lambda s: s.Points(1),
     "p": lambda s: abs(s.Points(1)),

@@ -59,8 +59,8 @@ def Unconverged(solution: ContactSolution) -> str:
 
 def Labels(disc: DiscreteProblem) -> tuple[str, str]:
     """Of the axes of a plane mesh, which those of a body of revolution have other names for."""
-    across, up, *_ = disc.problem.frame.axes
-    return f"{across} [length]", f"{up} [length]"
+    letters = disc.problem.frame.axes
+    return f"{letters[0]} [length]", f"{letters[1]} [length]"
 
 
 def Frame(axes: Any, xlabel: str = "x [length]", ylabel: str = "y [length]") -> Figure:

@@ -77,7 +77,8 @@ class Cylindrical(Cartesian):
 
     revolved: ClassVar[bool] = True
     axes: ClassVar[str] = "rzt"
-    bonus: ClassVar[int] = 3        # one for r, two for u_r v_r/r: on sides the rule of loads, also where they are curved
+    # For r, and for u_r v_r/r: more change no error; and that of loads, which matters on curved sides.
+    bonus: ClassVar[int] = 2
     rigid: ClassVar[slice] = slice(1, 2)        # along the axis
 
     def Spatial(self, strain: Any, u: Any) -> Any:

@@ -8,7 +8,7 @@ What to look at: u_r = A r + B/r and u_z = C z, so that the radial stress goes f
     hoop stress is the largest at the inner side.  Each ring of the mesh is alike: nothing depends on z.
 Source: G. Lame 1852; S. Timoshenko, Strength of Materials, part II.  `Exact` solves the two conditions for A and B.
 Ask: At which interference does the bronze yield, at 140 N/mm^2?  What does a friction with the coefficient 0.15 change in the
-    fit, and which force pushes the ring out then?
+    fit, and which force pushes the ring out then?  How much softer is the fit in a bore of steel, k_n = E/((1 + nu) r)?
 """
 
 from math import pi

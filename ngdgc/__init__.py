@@ -19,8 +19,8 @@ from .methods.rows import LDG, BassiEtAl, BrezziEtAl, IncompleteInteriorPenalty,
 from .problem.foundation import Foundation
 from .problem.hypotheses import CheckLaws
 from .problem.joint import Joint
-from .problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction, SlipWeakeningFriction,
-                           TrescaFriction)
+from .problem.laws import (ArchardWear, ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction,
+                           SlipWeakeningFriction, TrescaFriction)
 from .problem.materials import AnisotropicMaterial, HookeMaterial
 from .problem.problem import ContactProblem
 from .solution.solution import ContactSolution
@@ -31,10 +31,11 @@ __version__ = "0.2.0"
 
 # What `from ngdgc import *` brings: classes, not the submodules, whose names users and NGSolve have their own use for; and
 # NGSolve's own Solve, which calls disc.Solve.
-__all__ = ["AnisotropicMaterial", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw", "Conforming",
-           "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization", "EstimateContraction",
-           "EstimateError", "EstimateForce", "EstimateZones", "Foundation", "FrictionLaw", "HookeMaterial",
-           "IncompleteInteriorPenalty", "InteriorPenalty", "Joint", "LDG", "Lifting", "LoadHistory", "MultiStart",
-           "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError", "PenaltyFreeLDG",
-           "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve", "SolveAdaptive",
-           "SolveDivided", "SolveHistory", "SolveInterrupted", "TrescaFriction", "UzawaSolver", "WeaklyOverPenalised"]
+__all__ = ["AnisotropicMaterial", "ArchardWear", "BassiEtAl", "BrezziEtAl", "CheckLaws", "CheckUniqueness", "ComplianceLaw",
+           "Conforming", "ContactProblem", "ContactSolution", "Contraction", "CoulombFriction", "Discretization",
+           "EstimateContraction", "EstimateError", "EstimateForce", "EstimateZones", "Foundation", "FrictionLaw",
+           "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "Joint", "LDG", "Lifting", "LoadHistory",
+           "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError",
+           "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve",
+           "SolveAdaptive", "SolveDivided", "SolveHistory", "SolveInterrupted", "TrescaFriction", "UzawaSolver",
+           "WeaklyOverPenalised"]

@@ -38,6 +38,12 @@ class Friction(Protocol):
     def Bound(self, r: Any, p: Any) -> Any: ...
 
 
+class Wear(Protocol):
+    """A wear law: see wear= of `foundation.Foundation`."""
+
+    def Depth(self, p: Any, slip: Any) -> Any: ...
+
+
 class Certainty(Protocol):
     """What is known of the coercivity of a form: see `methods.guarantee.Guarantee`."""
 

@@ -78,11 +78,13 @@ def _Keywords(case: ModuleType, name: str) -> Any:
 
 
 def Table(history: LoadHistory) -> str:
-    """Forces of the foundations on the body, and where the work goes, time by time."""
+    """Forces of the foundations on the body, where the work goes, and the largest depth worn off, time by time."""
     axes = "xyz"[:history[0].disc.mesh.dim]
-    rows = [("time", *(f"force {name} {axis}" for name in history.forces for axis in axes), "work", "energy", "dissipation")]
+    worn = {"abrasion": history.abrasion, "worn": history.worn.max(axis=1)} if history.disc.contact.wears else {}
+    rows = [("time", *(f"force {name} {axis}" for name in history.forces for axis in axes), "work", "energy", "dissipation",
+             *worn)]
     forces = [history.forces[name][:, i] for name in history.forces for i in range(len(axes))]
-    for values in zip(history.times, *forces, history.work, history.energy, history.dissipation):
+    for values in zip(history.times, *forces, history.work, history.energy, history.dissipation, *worn.values()):
         rows.append(tuple(f"{float(value):.6g}" for value in values))
     return "\n".join(Aligned(rows, numbers=True)) + "\n"
 

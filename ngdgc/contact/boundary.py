@@ -55,6 +55,7 @@ class ContactBoundary:
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of `ContactPart`, one for each foundation, in the order of the points
     origin : u_t of the state from which slip counts (n, d) [length]; None: the undeformed body
+    path, worn : (n,), path of the slip up to there, and depth worn off, by which `gap` is more than `given` [length]
     """
 
     origin: Array | None = None
@@ -89,7 +90,8 @@ class ContactBoundary:
         within = (self.inside, self.beyond) if any(joints) else (self.inside,)
         self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(problem.material.ShearAt(at).min() for at in within)
         self.gap = np.empty(len(self.weights))
-        self.parts = []
+        self.given, self.parts = self.gap, []
+        self.path = self.worn = np.zeros_like(self.gap)
         for place, foundation in enumerate(problem.foundation):
             here = slice(*np.searchsorted(owner, [place, place + 1]))
             region = facets.mesh.Boundaries(foundation.boundary)
@@ -97,6 +99,11 @@ class ContactBoundary:
             self.parts.append(ContactPart.On(foundation, here, points[here], region))
         self.depth, self.tension = (np.concatenate([getattr(part.bond, name) if part.bond else np.zeros(np.sum(owner == place))
                                                     for place, part in enumerate(self.parts)]) for name in ("depth", "tension"))
+
+    @property
+    def wears(self) -> bool:
+        """True if one of the foundations has a wear law."""
+        return any(part.wear is not None for part in self.parts)
 
     @property
     def dim(self) -> int:
@@ -108,10 +115,20 @@ class ContactBoundary:
         other.trace = self.trace @ prolongation
         return other
 
-    def After(self, displacement: Array | None) -> ContactBoundary:
-        """The same with slip that counts from a displacement of the points, (n, d), or None: the undeformed body."""
+    def After(self, displacement: Array | None, path: Array | None = None, worn: Array | None = None) -> ContactBoundary:
+        """The same with slip that counts from a displacement of the points, (n, d), or None: the undeformed body.
+
+        path, worn : (n,) as the attributes, None: 0
+        """
+        for array, shape in ((displacement, self.normals.shape), (path, self.gap.shape), (worn, self.gap.shape)):
+            if array is not None and np.shape(array) != shape:
+                raise ProblemError(f"a state to begin with has shape {np.shape(array)}, and this Gamma_C {shape}; give arrays "
+                                   "of a state at these contact points, such as solution.displacement")
         other = copy(self)
         other.origin = None if displacement is None else self.Tangential(displacement)
+        other.path, other.worn = (np.zeros_like(self.given) if array is None else array for array in (path, worn))
+        other.parts = [part.After(other.path[part.points]) for part in self.parts]
+        other.gap = self.given + other.worn
         return other
 
     def Displacement(self, vector: Array) -> Array:

@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ..contracts import Array, Compliance, Friction
+from ..contracts import Array, Compliance, Friction, Wear
 from ..data.coefficients import CheckRange, ValuesAt
 from ..exceptions import ProblemError
 from ..problem.foundation import Foundation
-from ..problem.hypotheses import BoundDerivatives, CheckCompliance, CheckFriction, SlipFactor
+from ..problem.hypotheses import BoundDerivatives, CheckCompliance, CheckFriction, CheckWear, SlipFactor
 from ..problem.laws import LawAt
 from ..problem.userlaws import LawName
 from .bonds import Bond
@@ -21,9 +21,10 @@ from .resolvent import Resolvent
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ContactPart:
-    """A foundation, the slice of its contact points, and its laws with their data there; friction None: there is none.
+    """A foundation, the slice of its contact points, and its laws with their data there; friction or wear None: there is none.
 
     bond : of a joint with a tension, else None
+    path : of the slip before the one that counts now (m,) [length]
 
     All methods map arrays over these points, (m,), to such arrays: r penetration, p pressure, slip |u_t|.
     """
@@ -33,6 +34,8 @@ class ContactPart:
     compliance: Compliance
     friction: Friction | None
     bond: Bond | None = None
+    wear: Wear | None = None
+    path: Array | float = 0.0
 
     @classmethod
     def On(cls, foundation: Foundation, points: slice, meshpoints: Any, region: Any) -> ContactPart:
@@ -45,10 +48,22 @@ class ContactPart:
             friction = LawAt(foundation.friction, meshpoints, f"{name}: ", region)
             r = np.ones(count)
             CheckFriction(friction, r, compliance.Pressure(r), name)
-        part = cls(foundation=foundation, points=points, compliance=compliance, friction=friction)
+        wear: Any = LawAt(foundation.wear, meshpoints, f"{name}: ", region)
+        if wear is not None:
+            CheckWear(wear, compliance.Pressure(np.ones(count)), name)
+        part = cls(foundation=foundation, points=points, compliance=compliance, friction=friction, wear=wear)
         tension = ValuesAt(foundation.tension, meshpoints, f"{name}: tension", region)
         CheckRange(tension, f"{name}: tension", least=0)
         return replace(part, bond=Bond.Of(part, tension, name)) if np.any(tension) else part
+
+    def After(self, path: Array) -> ContactPart:
+        """The same with a path of the slip so far, (m,) [length]."""
+        bond = self.bond and replace(self.bond, part=replace(self.bond.part, path=path))
+        return replace(self, path=path, bond=bond)
+
+    def Depth(self, p: Array, slip: Array) -> Array:
+        """What a slip wears off at the pressure p [length]."""
+        return np.zeros_like(p) if self.wear is None else self.wear.Depth(p, slip)
 
     def Pressure(self, r: Array) -> Array:
         """p_n(r) [stress]."""
@@ -77,8 +92,10 @@ class ContactPart:
         return (np.zeros_like(r), np.zeros_like(r)) if self.friction is None else BoundDerivatives(self.friction, r, p)
 
     def SlipFactor(self, slip: Array) -> tuple[Array, Array]:
-        """(p_t(r, p, s)/p_t(r, p, 0), its derivative by s), [1] and [1/length]."""
-        return (np.ones_like(slip), np.zeros_like(slip)) if self.friction is None else SlipFactor(self.friction, slip)
+        """(Coefficient(path + s), its derivative by s), [1] and [1/length]."""
+        if self.friction is None:
+            return np.ones_like(slip), np.zeros_like(slip)
+        return SlipFactor(self.friction, self.path + slip)
 
     def NormalPoint(self, gamma: Array, q: Array) -> tuple[Array, Array, Array]:
         """(r, p, p_n'(r)) with p = p_n(r) and p + gamma r = q; where the law has ended, a rigid wall."""

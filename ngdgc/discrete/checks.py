@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from ngsolve import FESpace, Mesh
 
-from ..contracts import Array, Method
+from ..contracts import Array, Method, Missing
 from ..data.coefficients import CheckRange, EntriesAt, ValuesAt, VectorsAt
 from ..data.inside import CheckMaterials
 from ..data.regions import Matching
@@ -17,11 +17,23 @@ from ..mesh.facets import Facets, SecondOrder, VolumePoints
 from ..mesh.quadrature import BoundaryQuadrature
 from ..methods.coercivity import CheckCoercivity, CheckSum
 from ..problem.problem import ContactProblem
+from ..tools.values import Among
 from .section import CheckSection, OnAxis
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
 # A roller prescribes the normal component only, so a tangential traction may act there; springs take up what they are given.
 SHARED = ({"roller", "traction"}, {"spring", "traction"}, {"spring", "force"})
+
+
+def CheckKinds(problem: Any, method: Any, assembly: Any) -> None:
+    """Raise ProblemError unless these are a ContactProblem, a method and a way of assembly."""
+    if not isinstance(problem, ContactProblem):
+        raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
+    if isinstance(method, type) or (missing := Missing(method, Method)):
+        lack = "" if isinstance(method, type) else f", which has no {', '.join(missing)}"
+        raise ProblemError(f"method is {method!r}{lack}; give an object such as InteriorPenalty() or Conforming()")
+    if not Among(assembly, ("facet", "skeleton")):
+        raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
 
 
 def CheckMesh(problem: ContactProblem, mesh: Any) -> None:

@@ -13,9 +13,9 @@ from .frozen import Twin
 
 
 def ContactOf(disc: Any, scalar: FESpace) -> ContactBoundary:
-    """The contact points of a DiscreteProblem with its `pieces` and `origin`; scalar : space of one component."""
+    """The contact points of a DiscreteProblem with its `pieces` and `memory`; scalar : space of one component."""
     rules = ContactRules(disc.method, disc.mesh.dim, disc.order)
-    return ContactBoundary(disc.problem, disc.facets, disc.space, scalar, rules, disc.pieces).After(disc.origin)
+    return ContactBoundary(disc.problem, disc.facets, disc.space, scalar, rules, disc.pieces).After(*disc.memory)
 
 
 def OnPieces(disc: Any, pieces: Pieces) -> Any:

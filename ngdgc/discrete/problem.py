@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from ngsolve import CoefficientFunction, Mesh
 
+from ..contact.memory import Memory
 from ..contracts import Array, FluxForm, Form, Inverse, Inverter, Method, Missing
 from ..exceptions import ProblemError
 from ..linear.choice import CheckInverter, Chosen
@@ -21,9 +22,9 @@ from ..tools.calls import ByKeyword
 from ..tools.kinds import Short
 from ..tools.memory import CheckAssembly
 from ..tools.names import NameOf
-from ..tools.values import Among, Order
+from ..tools.values import Order
 from .added import AddedForms
-from .checks import CheckData, CheckJoints, CheckMatrix, CheckMesh, CheckPart, CheckRegions, CheckSpace
+from .checks import CheckData, CheckJoints, CheckKinds, CheckMatrix, CheckMesh, CheckPart, CheckRegions, CheckSpace
 from .divided import ContactOf
 from .frozen import Frozen, OfMatrix, Twin
 from .loads import GivenTractions, Loads, StrongValues
@@ -44,7 +45,7 @@ class DiscreteProblem(LinearEquations):
     Attributes
     ----------
     given : the mesh that was given;  mesh : the same, or of continuous methods one whose nodes are doubled along joints
-    origin : displacement of the contact points from which slip counts (n, d), or None: the undeformed body
+    memory : `Memory` of the states before;  origin : displacement of the contact points from which slip counts (n, d), or None
     pieces : of the boundary elements on Gamma_C whose quadrature is divided, {number: parts} as `pieces.Pieces`
     derived : {name: value} of what is frozen, if it was asked for;  elastic : the same for what follows from the matrix alone,
         which copies with other loads share
@@ -53,13 +54,7 @@ class DiscreteProblem(LinearEquations):
     def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",
                  inverse: str | Inverter = "auto") -> None:
         super().__init__()
-        if not isinstance(problem, ContactProblem):
-            raise ProblemError(f"problem is {problem!r}; give a ContactProblem")
-        if isinstance(method, type) or (missing := Missing(method, Method)):
-            lack = "" if isinstance(method, type) else f", which has no {', '.join(missing)}"
-            raise ProblemError(f"method is {method!r}{lack}; give an object such as InteriorPenalty() or Conforming()")
-        if not Among(assembly, ("facet", "skeleton")):
-            raise ProblemError(f"assembly is {assembly!r}; choose 'facet' or 'skeleton'")
+        CheckKinds(problem, method, assembly)
         CheckInverter(inverse)
         CheckMesh(problem, mesh)
         order = Order(order, mesh.dim)
@@ -76,7 +71,7 @@ class DiscreteProblem(LinearEquations):
         self.space = method.Space(self.mesh, self.order, "|".join(problem.dirichlet))
         self.derived: dict[str, Any] = {}
         self.elastic: dict[str, Any] = {}
-        self.origin: Array | None = None
+        self.memory = Memory()
         self.pieces: Pieces = {}
         self._Read()
         self.added = AddedForms(self.space, self.facets)
@@ -104,11 +99,16 @@ class DiscreteProblem(LinearEquations):
         current._Read()
         return current
 
-    def After(self, displacement: Array | None) -> DiscreteProblem:
-        """The same problem with slip that counts from a displacement of the contact points (n, d); None: from none."""
+    def After(self, origin: Array | None, slid: Array | None = None, worn: Array | None = None) -> DiscreteProblem:
+        """The same problem after a state with this `Memory`: displacement of the contact points (n, d), path and worn (n,)."""
         other = Twin(self)
-        other.origin, other.contact = displacement, self.contact.After(displacement)
+        other.memory = Memory(origin, slid, worn)
+        other.contact = self.contact.After(*other.memory)
         return other
+
+    @property
+    def origin(self) -> Array | None:
+        return self.memory.displacement
 
     def __repr__(self) -> str:
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "

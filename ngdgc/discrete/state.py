@@ -22,6 +22,7 @@ from ..problem.problem import ContactProblem
 from ..tools.formula import Plain
 
 Method = TypeVar("Method", bound=Callable[..., Any])
+ROLES = "compliance", "friction", "wear"    # of laws on a foundation
 
 
 def Leaves(function: Any) -> list[CoefficientFunction]:
@@ -55,7 +56,7 @@ def Data(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
         yield f"{where}: gap", foundation.gap
         yield f"{where}: tension", foundation.tension
         yield f"{where}: normal", foundation.normal
-        for role in ("compliance", "friction"):
+        for role in ROLES:
             law = getattr(foundation, role)
             yield from ((f"{where}: {name} of {role}", value) for name, value in getattr(law, "__dict__", {}).items())
     for kind in ("dirichlet", "roller", "traction", "force", "spring"):
@@ -134,7 +135,7 @@ def _Digest(field: GridFunction) -> int:
 def _Laws(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
     """(words, law) of the laws with attributes, also frozen ones: a list or an array in them may be changed in place."""
     for foundation in problem.foundation:
-        for role in ("compliance", "friction"):
+        for role in ROLES:
             law = getattr(foundation, role)
             if hasattr(law, "__dict__"):
                 yield f"{role} on {foundation.boundary!r}", law

@@ -35,8 +35,11 @@ class LoadHistory:
     displacement, traction : (m, n, d), u and t at the contact points [length], [stress]
     increments : list of `Increment`, what each has cost
 
-    work = energy + dissipation up to the increments: the difference halves with them.  Of methods whose matrix is not symmetric
-    work and energy of prescribed displacements are not known, nan.
+    path, worn : (m, n), sum of |change of u_t| over the increments that ended in slip, and the depth worn off [length]
+    abrasion : (m,), cumulated int p (change of the depth worn off), the energy that goes with it; trapezoidal rule
+
+    work = energy + dissipation + abrasion up to the increments: the difference halves with them.  Of methods whose matrix is
+    not symmetric work and energy of prescribed displacements are not known, nan.
 
     >>> from ngsolve import CF, Parameter
     >>> from ngdgc import *
@@ -103,6 +106,18 @@ class LoadHistory:
     @property
     def traction(self) -> Array:
         return self._Points("traction")
+
+    @property
+    def abrasion(self) -> Array:
+        return self._Numbers("abrasion")
+
+    @property
+    def path(self) -> Array:
+        return np.array([state.after.path for state in self.states]).reshape(len(self), -1)
+
+    @property
+    def worn(self) -> Array:
+        return np.array([state.after.worn for state in self.states]).reshape(len(self), -1)
 
     def _Points(self, name: str) -> Array:
         return np.array([getattr(state, name) for state in self.states]).reshape(-1, *self.disc.contact.normals.shape)

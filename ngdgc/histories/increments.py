@@ -82,6 +82,7 @@ class Increments:
         self.moment = self._Moment(disc, moment.loading, moment, moment.residual)
         self.free = self._Free(disc, moment.loading)[0]
         self.first = _First(displacement=moment.displacement, traction=moment.traction, free=self.free)
+        self.last = self.moment, self.free
         self.left = WORK
         self.unsure = 1.0       # how far S_V has been off, relative
 
@@ -110,8 +111,13 @@ class Increments:
             q, self.unsure = found.point.q, max(self.known.Learn(outside), 0.5 * self.unsure)
         else:
             return None
+        self.last = self.moment, self.free
         self.moment, self.free = self._Moment(disc, loading, found.point, self._Error(found)), free
         return self.moment
+
+    def Back(self) -> None:
+        """Take the last `Next` back."""
+        self.moment, self.free = self.last
 
     def _Negligible(self, outside: Array, point: GraphPoint) -> bool:
         """Is what S_D may do to a part of s of which it is not known below the tolerance?"""

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import cast
 
 import numpy as np
 
+from ..contact.graph import Distance, GraphDistance
+from ..contact.memory import Memory
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 
@@ -20,7 +23,7 @@ class Loading:
     lift : function with the strongly prescribed ones (ndof,);  pull : A lift (ndof,), both None where there are none
     penalty : what the penalty of prescribed displacements is to the body at rest, nan for a form that does not tell, or that is
         not symmetric
-    gap : (n,) [length]
+    gap : (n,) [length], as it is given, without what is worn off
     """
 
     dead: Array
@@ -37,7 +40,7 @@ class Loading:
                  for weak in (False, True)}
         lift = disc.prescribed if np.any(disc.prescribed) else None
         return cls(dead=loads[False], prescribed=loads[True], lift=lift, pull=None if lift is None else disc.Multiply(lift),
-                   penalty=_Penalty(disc) if np.any(loads[True]) else 0.0, gap=disc.contact.gap)
+                   penalty=_Penalty(disc) if np.any(loads[True]) else 0.0, gap=disc.contact.given)
 
     @property
     def load(self) -> Array:
@@ -67,6 +70,16 @@ class Instant:
     vector: Array | None = None
     Product: Callable[[Array], float] | None = None
 
+    @cached_property
+    def memory(self) -> Memory:
+        """What the contact points remember of it."""
+        return Memory.Of(self.disc.contact, self.displacement, self.law)
+
+    @cached_property
+    def law(self) -> GraphDistance:
+        """Where the points are on the graph of the law."""
+        return Distance(self.disc.contact, self.displacement, self.traction)
+
     def Times(self, x: Array) -> float:
         """x.u of coefficients x (ndof,)."""
         return float(x @ cast(Array, self.vector)) if self.Product is None else self.Product(x)
@@ -85,6 +98,14 @@ class Instant:
         loading, weights = self.loading, self.disc.contact.weights[:, None]
         contact = float(np.sum(weights * self.traction * self.displacement))
         return 0.5 * (self.Times(loading.dead - loading.prescribed) - contact + loading.penalty + self.Reaction(loading))
+
+
+def Abrasion(before: Instant | None, after: Instant) -> float:
+    """int p (change of the depth worn off), the energy that goes with it, by the trapezoidal rule [stress length^d]."""
+    if before is None:
+        return 0.0
+    old, new = before.disc.contact, after.disc.contact
+    return 0.5 * float(new.weights @ (new.Normal(before.traction + after.traction) * (new.worn - old.worn)))
 
 
 def Work(before: Instant | None, after: Instant) -> float:

@@ -52,7 +52,7 @@ class Recall:
         with self.disc.lock, Restoring(self.parameter), self.disc.state.Restored():
             self.parameter.Set(state.time)
             disc = self.disc.Current()
-        return disc if state.origin is None else disc.After(state.origin)
+        return disc.After(*state.before)
 
     def Instant(self, state: LoadState) -> Instant:
         """The state as one from which the next increment begins."""

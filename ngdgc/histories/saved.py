@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 from ngsolve import Parameter
 
-from ..contracts import Inverter
+from ..contact.memory import Memory
+from ..contracts import Array, Inverter
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..solution import archive
@@ -20,7 +21,7 @@ from .recall import Restoring
 from .states import Increment, LoadState
 
 NUMBERS = "state numbers"
-POINTS = tuple(f"state {name}" for name in ("displacement", "traction", "origin"))
+POINTS = tuple(f"state {name}" for name in ("displacement", "traction", "origin", "before", "after"))
 
 
 def CheckIsParameter(parameter: Any) -> None:
@@ -31,12 +32,18 @@ def CheckIsParameter(parameter: Any) -> None:
 
 def KeepStates(last: ContactSolution, states: Sequence[LoadState], folder: str | PathLike[str]) -> None:
     """Write states and the solution of the last one into a folder."""
-    still = np.zeros_like(last.traction)
+    still, none = np.zeros_like(last.traction), np.zeros_like(last.weights)
+
+    def Scalars(memory: Memory) -> Array:
+        """Its path and depth worn off, (2, n)."""
+        return np.array([none if array is None else array for array in memory[1:]])
     arrays = {"state displacement": np.array([state.displacement for state in states]),
               "state traction": np.array([state.traction for state in states]),
-              "state origin": np.array([still if state.origin is None else state.origin for state in states]),
+              "state origin": np.array([still if (u := state.before.displacement) is None else u for state in states]),
+              "state before": np.array([Scalars(state.before) for state in states]),
+              "state after": np.array([Scalars(state.after) for state in states]),
               NUMBERS: np.array([(state.time, state.work, state.energy, state.dissipation, state.increment.parts,
-                                  state.increment.solves, state.increment.residual, state.increment.seconds)
+                                  state.increment.solves, state.increment.residual, state.increment.seconds, state.abrasion)
                                  for state in states], dtype=float)}
     with last.state.Restored():
         archive.Keep(last, folder, more=arrays)
@@ -56,10 +63,11 @@ def ReadStates(folder: str | PathLike[str], problem: Any, parameter: Any, added:
     with Restoring(parameter):
         parameter.Set(times[-1])
         last = ContactSolution.Load(folder, problem, added=added, inverse=inverse)
-    displacement, traction, origin = (arrays[name] for name in POINTS)
+    displacement, traction, origin, before, after = (arrays[name] for name in POINTS)
     states = [LoadState(time=row[0], displacement=displacement[place], traction=traction[place],
-                        origin=origin[place] if place or np.any(origin[place]) else None, work=row[1], energy=row[2],
-                        dissipation=row[3], increment=Increment(row[0], int(row[4]), int(row[5]), row[6], row[7]),
+                        before=Memory(origin[place], *before[place]) if place or np.any(origin[place]) else Memory(),
+                        after=Memory(displacement[place], *after[place]), work=row[1], energy=row[2], dissipation=row[3],
+                        increment=Increment(row[0], int(row[4]), int(row[5]), row[6], row[7]), abrasion=row[8],
                         vector=last.vector if place == len(times) - 1 else None)
               for place, row in enumerate(arrays[NUMBERS].tolist())]
     return last.disc.After(None), states

@@ -16,20 +16,21 @@ from ..solvers.driver import CheckCallback
 from ..solvers.nested import NestedNewtonSolver
 from ..solvers.newton.solver import SemismoothNewtonSolver
 from ..tools.calls import ByKeyword
-from ..tools.values import Finite
+from ..tools.values import Finite, PositiveNumber
 from .energies import Dissipation, FoundationEnergy
 from .history import LoadHistory
 from .increments import Increments
-from .loading import Loading, Instant, Work
+from .loading import Abrasion, Loading, Instant, Work
 from .recall import Recall, Restoring
 from .start import CheckParameter, CheckStart
 from .states import Increment, LoadState
+from .steps import LESS, Steps
 
 HALVINGS = 6    # of an increment that fails
 
 
 @ByKeyword
-def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
+def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None, change: float | None = None,
                  callback: Callable[[Increment], object] | None = None, start: LoadHistory | None = None) -> LoadHistory:
     """The states of a Discretization at the times, each an increment from the one before; the LoadHistory.
 
@@ -41,10 +42,15 @@ def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
         It is set here, and in the end what it was
     times : t_1 < ... < t_m
     solver : `NestedNewtonSolver` or `SemismoothNewtonSolver`, for the first state and with its tol for the others
+    change : largest part of the points in contact, by their weights, that may come to another zone, of separation, stick and
+        slip, in an increment, 0 < change < 1; None: any
     callback : gets every `Increment`
     start : a LoadHistory that this one goes on from; the states are the new ones, work and dissipation go on
 
-    An increment on which Newton's method fails is halved, up to 64 parts.  Raises ProblemError for data that are none;
+    An increment is halved, up to 64 parts, on which Newton's method fails, which changes more zones, or where a fifth of what
+    would take the pressure away is worn off.  Each part is an increment; states are those at the times.
+
+    Raises ProblemError for data that are none;
     NotConvergedError if the smallest part fails, SolveInterrupted on Ctrl-C when there is a state or an iterate of the first
     one: `states` is the LoadHistory up to there.
 
@@ -65,7 +71,9 @@ def SolveHistory(disc: Any, *, parameter: Any, times: Any, solver: Any = None,
         raise ProblemError(f"solver is {solver!r}; give NestedNewtonSolver() or SemismoothNewtonSolver(), which start from the "
                            "last state")
     CheckParameter(disc, parameter)
-    run = _Run(disc, parameter, solver, callback)
+    if change is not None:
+        change = PositiveNumber(change, "change", "it is a part of the contact zone between 0 and 1, such as 0.1", below=1)
+    run = _Run(disc, parameter, solver, Steps(change), callback)
     if start is not None:
         CheckStart(start, run.recall)
     return run.Along(_Times(times, start), start)
@@ -97,8 +105,8 @@ def _Kept(count: int) -> str:
 class _Run:
     """One run of `SolveHistory`."""
 
-    def __init__(self, disc: Any, parameter: Any, solver: Any, callback: Any) -> None:
-        self.disc, self.parameter, self.solver, self.callback = disc.Current(), parameter, solver, callback
+    def __init__(self, disc: Any, parameter: Any, solver: Any, steps: Steps, callback: Any) -> None:
+        self.disc, self.parameter, self.solver, self.steps, self.callback = disc.Current(), parameter, solver, steps, callback
         self.recall = Recall(self.disc, parameter)
         self.current: DiscreteProblem = self.disc
         self.increments: Increments | None = None
@@ -132,19 +140,21 @@ class _Run:
     def _To(self, time: float, moment: Instant | None, last: LoadState | None) -> tuple[Instant, LoadState]:
         """The state at a time, and what is kept of it."""
         begin, before, parts = clock.perf_counter(), self.current.solves, 0
-        work, dissipation = (last.work, last.dissipation) if last else (0.0, 0.0)
+        work, dissipation, abrasion = (last.work, last.dissipation, last.abrasion) if last else (0.0, 0.0, 0.0)
         for old, new in self._Parts(moment, last.time if last else time, time):
             contact, parts = new.disc.contact, parts + 1
             work += Work(old, new)
+            abrasion += Abrasion(old, new)
             dissipation += Dissipation(contact, new.displacement, new.traction)
         increment = Increment(time, parts, new.disc.solves - before, new.residual, clock.perf_counter() - begin)
         energy = new.elastic + FoundationEnergy(contact, new.displacement)
-        return new, LoadState(time=time, displacement=new.displacement, traction=new.traction, origin=new.disc.origin,
-                              work=work, energy=energy, dissipation=dissipation, increment=increment, vector=new.vector)
+        return new, LoadState(time=time, displacement=new.displacement, traction=new.traction, before=new.disc.memory,
+                              after=new.memory, work=work, energy=energy, dissipation=dissipation, abrasion=abrasion,
+                              increment=increment, vector=new.vector)
 
     def _Parts(self, old: Instant | None, begin: float, end: float) -> Iterator[tuple[Instant | None, Instant]]:
-        """(state before, state) of every part of an increment, halved where it fails."""
-        done, part = 0.0, 1.0
+        """(state before, state) of every part of an increment, halved where it fails or changes too much."""
+        done, part, before = 0.0, 1.0, np.inf
         while done < 1:
             time = end if done + part == 1 else begin + (done + part) * (end - begin)
             try:
@@ -154,7 +164,13 @@ class _Run:
                 if old is None or part < 0.5 ** HALVINGS:
                     raise
                 continue
-            done = 1 if old is None else done + part
+            size = 0.0 if old is None or part == 0.5 ** HALVINGS else self.steps.Size(old, new)
+            if 1 < size < LESS * before:
+                part, before = part / 2, size
+                if self.increments is not None:
+                    self.increments.Back()
+                continue
+            done, before = 1 if old is None else done + part, np.inf
             yield old, new
             old = new
 
@@ -164,7 +180,7 @@ class _Run:
             self.increments = Increments(old, self.solver.tol)
             self.recall.response = self.increments.response
         self.parameter.Set(time)
-        self.current = disc = self.current.Current() if old is None else self.current.Current().After(old.displacement)
+        self.current = disc = self.current.Current() if old is None else self.current.Current().After(*old.memory)
         if self.increments is not None and disc.elastic is self.disc.elastic:
             found = self.increments.Next(disc)
             if found is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from ..contact.memory import Memory
 from ..contracts import Array
 from ..tools.calls import ByKeyword
 
@@ -13,7 +14,7 @@ from ..tools.calls import ByKeyword
 class Increment:
     """What one increment took.
 
-    time : at its end;  parts : into which it was divided, 1 unless Newton's method failed;  solves : applications of A^-1
+    time : at its end;  parts : into which it was divided;  solves : applications of A^-1
     residual : how far displacement and traction are from law and equilibrium, no unit;  seconds : of this increment
 
     >>> Increment(time=1.0, parts=1, solves=4, residual=1e-12, seconds=0.1).solves
@@ -31,17 +32,19 @@ class Increment:
 class LoadState:
     """What a history keeps of a state: arrays over the n contact points, and numbers.
 
-    displacement, traction : u, t (n, d);  origin : u of the state before, from which slip counts, or None
-    work, dissipation : cumulated;  energy : of body and foundations, all [stress length^d]
+    displacement, traction : u, t (n, d);  before, after : `Memory` with which its last part began, and that it leaves
+    work, dissipation, abrasion : cumulated;  energy : of body and foundations, all [stress length^d]
     vector : coefficients of u (ndof,), or None where they are computed when they are asked for
     """
 
     time: float
     displacement: Array
     traction: Array
-    origin: Array | None
+    before: Memory
+    after: Memory
     work: float
     energy: float
     dissipation: float
+    abrasion: float
     increment: Increment
     vector: Array | None = None

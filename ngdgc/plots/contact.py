@@ -16,7 +16,7 @@ from ..problem.foundation import Foundation
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
-from .canvas import BLUE, GREEN, VERMILION, WIDTH, ZONE_COLOURS, HideNoise
+from .canvas import BLUE, GREEN, PURPLE, VERMILION, WIDTH, ZONE_COLOURS, HideNoise
 from .curves import GAP, Along, Curve, Left
 from .solid import ContactMaps
 
@@ -24,7 +24,7 @@ from .solid import ContactMaps
 @ByKeyword
 @WithUnits
 def ContactFigure(solution: ContactSolution, *, slip: bool = False) -> Figure:
-    """Pressure, friction and penetration along Gamma_C, and its zones, a column for each foundation.
+    """Pressure, friction and penetration along Gamma_C, what is worn off it, and its zones, a column for each foundation.
 
     slip : also draw the tangential displacement u_t [length]
 
@@ -39,12 +39,13 @@ def ContactFigure(solution: ContactSolution, *, slip: bool = False) -> Figure:
     if disc.mesh.dim == 3:
         return ContactMaps(solution)
     tangent = Left(solution.normals)
-    rows = ["p", "t", "u", "r"] if slip else ["p", "t", "r"]
+    rows = ["p", "t", *["u"] * slip, "r", *["w"] * contact.wears]
     figure = Figure(figsize=(max(WIDTH, 3.5 * len(contact.parts)), 1 + 1.35 * len(rows)), layout="constrained")
     grid = figure.subplots(len(rows) + 1, len(contact.parts), sharex="col", squeeze=False,
                            height_ratios=[1] * len(rows) + [0.15])
     values = {"p": solution.pressure, "t": np.sum(solution.friction * tangent, axis=1),
-              "u": np.sum(solution.slip * tangent, axis=1), "r": solution.penetration}
+              "u": np.sum(solution.slip * tangent, axis=1), "r": solution.penetration,
+              "w": solution.worn}
     for column, part in zip(grid.T, contact.parts):
         pieces = list(Along(disc, part.foundation.boundary))
         panels = dict(zip(rows, column))
@@ -52,7 +53,7 @@ def ContactFigure(solution: ContactSolution, *, slip: bool = False) -> Figure:
             mark = {"marker": "o", "markersize": 3} if len(s) <= 100 else {}
             for sign in (1, -1):
                 panels["t"].plot(s, sign * solution.bound[numbers], "--", color="#444444", linewidth=1)
-            for name, colour in zip(rows, (BLUE, VERMILION, *["black"] * slip, GREEN)):
+            for name, colour in zip(rows, (BLUE, VERMILION, *["black"] * slip, GREEN, PURPLE)):
                 panels[name].plot(s, values[name][numbers], color=colour, linewidth=1.2, **mark)
         _DrawZones(column[-1], pieces, solution.zones)
         for name in "pt":
@@ -80,7 +81,7 @@ def _DressContact(column: Any, panels: Mapping[str, Any], foundation: Foundation
                   pieces: Sequence[tuple[Array, Any, Curve]]) -> None:
     labels = {"p": "pressure\n$p_n$ [stress]", "t": "friction along s\n$\\sigma_t$ [stress]",
               "u": "slip along s\n$u_t$ [length]",
-              "r": "penetration\n$u_n - g$ [length]"}
+              "r": "penetration\n$u_n - g$ [length]", "w": "worn off\n$w$ [length]"}
     for name, axes in panels.items():
         axes.axhline(0, color="#999999", linewidth=0.8, zorder=0)
         axes.set_ylabel(labels[name])

@@ -12,7 +12,7 @@ from ..histories.history import LoadHistory
 from ..tools.calls import ByKeyword
 from ..tools.units import InUnits, UnitsOf
 from ..tools.values import Reals
-from .canvas import BLUE, FOUNDATION_COLOURS, GREEN, ORANGE, VERMILION, WIDTH, Panel
+from .canvas import BLUE, FOUNDATION_COLOURS, GREEN, ORANGE, PURPLE, VERMILION, WIDTH, Panel
 
 STYLES = "-", "--", ":"
 
@@ -23,8 +23,9 @@ def LoadHistoryFigure(history: LoadHistory, *, against: Any = None) -> Figure:
 
     against : (m,), what is drawn on the abscissa of the forces, such as a prescribed displacement [length]; None: the times
 
-    Left the components of the force of every foundation [stress length^(d-1)]; right work, energy and dissipation over time
-    [stress length^d], and their balance.  Raises ProblemError for anything but a LoadHistory, and values of another number.
+    Left the components of the force of every foundation [stress length^(d-1)]; right work, energy, dissipation and abrasion
+    over time [stress length^d], and their balance.  Raises ProblemError for anything but a LoadHistory, and values of another
+    number.
 
     >>> from ngsolve import Parameter
     >>> from ngdgc import *
@@ -50,10 +51,11 @@ def LoadHistoryFigure(history: LoadHistory, *, against: Any = None) -> Figure:
             left.plot(abscissa, component, style, color=colour, label=f"{region}, $F_{axis}$", marker=".", markersize=3)
     shown = "time" if against is None else InUnits("displacement [length]", units)
     Panel(left, xlabel=shown, ylabel=force).legend(frameon=False)
-    for name, colour, style in (("work", BLUE, "-"), ("energy", GREEN, "-"), ("dissipation", VERMILION, "-")):
-        right.plot(history.times, getattr(history, name), style, color=colour, label=name)
-    balance = history.energy + history.dissipation
+    parts = ["energy", "dissipation", *["abrasion"] * history.disc.contact.wears]
+    for name, colour in zip(("work", *parts), (BLUE, GREEN, VERMILION, PURPLE)):
+        right.plot(history.times, getattr(history, name), color=colour, label=name)
+    balance = sum(getattr(history, name) for name in parts)
     if np.all(np.isfinite(balance)):
-        right.plot(history.times, balance, ":", color=ORANGE, label="energy + dissipation", linewidth=2.5, zorder=1)
+        right.plot(history.times, balance, ":", color=ORANGE, label=" + ".join(parts), linewidth=2.5, zorder=1)
     Panel(right, xlabel="time", ylabel=work).legend(frameon=False)
     return figure

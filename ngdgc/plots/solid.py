@@ -23,17 +23,18 @@ BESIDE = 1.6        # for title, labels and the bar of colours
 
 
 def ContactMaps(solution: ContactSolution) -> Figure:
-    """Pressure, friction and zones at the points of Gamma_C, seen along its mean normal, a row for each foundation."""
+    """Pressure, friction, zones and what is worn off at the points of Gamma_C, along its mean normal, a row a foundation."""
     contact = solution.disc.contact
     frames = [np.array(TangentFrame(contact.normals[part.points].mean(axis=0))) for part in contact.parts]
     heights = [_Height(contact.coordinates[part.points] @ frame.T) for part, frame in zip(contact.parts, frames)]
-    figure = Figure(figsize=(12, sum(heights) + BESIDE * len(heights)), layout="constrained")
-    grid = figure.subplots(len(contact.parts), 3, squeeze=False, height_ratios=[BESIDE + height for height in heights])
+    columns = 4 if contact.wears else 3
+    figure = Figure(figsize=(4 * columns, sum(heights) + BESIDE * len(heights)), layout="constrained")
+    grid = figure.subplots(len(contact.parts), columns, squeeze=False, height_ratios=[BESIDE + height for height in heights])
     size = np.linalg.norm(solution.friction, axis=1)
     for row, part, frame in zip(grid, contact.parts, frames):
         here = part.points
-        for axes, values, label in ((row[0], solution.pressure, "pressure $p_n$ [stress]"),
-                                    (row[1], size, "friction $|\\sigma_t|$ [stress]")):
+        maps = [(row[0], solution.pressure, "pressure $p_n$ [stress]"), (row[1], size, "friction $|\\sigma_t|$ [stress]")]
+        for axes, values, label in maps + [(axes, solution.worn, "worn off $w$ [length]") for axes in row[3:]]:
             drawn = DrawMap(axes, solution, here, frame, array=values, cmap="viridis",
                             clim=(0, values[here].max() or 1))
             # Beneath, since beside a map of a long foundation it would be higher than the map.
@@ -44,7 +45,7 @@ def ContactMaps(solution: ContactSolution) -> Figure:
             row[1].quiver(*(contact.coordinates[here] @ frame.T)[few].T, *along[few].T, color="white", edgecolor="black",
                           linewidth=0.5, width=0.006)
         DrawMap(row[2], solution, here, frame, array=solution.zones, cmap=ListedColormap(ZONE_COLOURS), clim=(-0.5, 2.5))
-        for axes, name in zip(row, ("pressure", "friction on the body", "zones")):
+        for axes, name in zip(row, ("pressure", "friction on the body", "zones", "worn off")):
             axes.set(xlabel=TangentLabel(frame[0]), ylabel=TangentLabel(frame[1]))
             axes.set_title(f"{name}, {part.foundation.boundary!r}", fontsize=10)
     figure.legend(handles=[Patch(facecolor=colour, label=zone) for colour, zone in zip(ZONE_COLOURS, ZONES)],

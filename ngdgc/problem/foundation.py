@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from ..contracts import Compliance, Datum, Friction, VectorDatum
+from ..contracts import Compliance, Datum, Friction, VectorDatum, Wear
 from ..data.coefficients import Pointwise, Scalar, Vector
 from ..data.regions import RegionName
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
 from ..tools.formula import Described
-from .hypotheses import CheckCompliance, CheckFriction, CheckLaws, LawReport
+from .hypotheses import CheckCompliance, CheckFriction, CheckLaws, CheckWear, LawReport
 from .laws import ComplianceLaw, FrictionLaw
 from .userlaws import LawName, Watched
 
@@ -33,6 +33,10 @@ class Foundation:
 
     t per area of the undeformed Gamma_C.  On a flat foundation a rounded body so has no horizontal force without friction.
 
+    `wear` is a law, such as `ArchardWear`, with Depth(p, s) >= 0 [length], which in an increment of a history is worn off the
+    body along the normal, p the pressure at its end and s = |change of u_t|.  What was worn off before an increment adds to its
+    gap; `Solve`, one increment of the body as it is made, has none.
+
     Raises ProblemError if a derivative that a law returns is not that of its pressure, bound or slip factor, if one of these
     is negative, or if the pressure is not zero without penetration (2.13).
 
@@ -48,13 +52,14 @@ class Foundation:
     friction: Any = None
     gap: Any = 0.0
     normal: Any = None
+    wear: Any = None
     kind: ClassVar[str] = "foundation"
     tension: ClassVar[Any] = 0.0
     __repr__ = Described
 
     if TYPE_CHECKING:
         def __init__(self, boundary: str, compliance: Compliance, friction: Friction | None = None,
-                     gap: Datum = 0.0, normal: VectorDatum | None = None) -> None: ...
+                     gap: Datum = 0.0, normal: VectorDatum | None = None, wear: Wear | None = None) -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boundary", RegionName(self.boundary, "foundation"))
@@ -64,6 +69,9 @@ class Foundation:
         if self.friction is not None and not _Has(self.friction, "Bound"):
             raise ProblemError(f"friction is {self.friction!r}; give a law such as CoulombFriction(0.3), an object with "
                                "Bound(r, p), or None")
+        if self.wear is not None and not _Has(self.wear, "Depth"):
+            raise ProblemError(f"wear is {self.wear!r}; give a law such as ArchardWear(1e-6), an object with Depth(p, slip), "
+                               "or None")
         object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
         if self.normal is not None:
             object.__setattr__(self, "normal", Vector(self.normal, f"normal of {self.kind} {self.boundary!r}"))
@@ -72,6 +80,8 @@ class Foundation:
             CheckCompliance(Watched(self.compliance), 1, f"{LawName(self.compliance)} {where}")
         if self.friction is not None and not Pointwise(self.friction):
             CheckFriction(Watched(self.friction), np.ones(1), np.ones(1), f"{LawName(self.friction)} {where}")
+        if self.wear is not None and not Pointwise(self.wear):
+            CheckWear(Watched(self.wear), np.ones(1), f"{LawName(self.wear)} {where}")
 
     def Check(self, *, depth: float = 1.0, slip: float = 1.0) -> LawReport:
         """The `LawReport` of both laws for penetrations up to `depth` and slips up to `slip` [length]; see `CheckLaws`."""

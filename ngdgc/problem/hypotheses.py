@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ..contracts import Array, Compliance, Friction
+from ..contracts import Array, Compliance, Friction, Wear
 from ..data.coefficients import Pointwise
 from ..exceptions import ProblemError
 from ..tools.calls import ByKeyword
@@ -94,6 +94,19 @@ def CheckFriction(law: Friction, r: Array, p: Array, name: str) -> None:
         CheckPointwise(law, "Bound", MIXED, p * MIXED)
     if hasattr(law, "Coefficient"):
         _CheckCoefficient(law, np.ones_like(r), name)
+
+
+def CheckWear(law: Wear, p: Array, name: str) -> None:
+    """Check the depths of a wear law at fractions of pressures p (npoints,) and at slips from 1e-6 to 1."""
+    p = np.where(np.isfinite(p) & (p > 0), p, 1)
+    for fraction in SCALES:
+        for slip in (0.0, fraction):
+            depth = law.Depth(fraction * p, np.full_like(p, slip))
+            if not np.all(np.isfinite(depth)) or np.any(depth < 0 if slip else depth != 0):
+                raise ProblemError(f"{name}: the depth that wears off at pressure {fraction * p[0]:g} and slip {slip:g} is "
+                                   f"{depth[0]:g}; it must be finite, >= 0, and 0 without slip")
+    if len(p) == 1:
+        CheckPointwise(law, "Depth", MIXED, MIXED)
 
 
 def _DerivativeAt(law: Any, r: Array, p: Array, number: int) -> Function:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from ..contracts import Compliance, Datum, Friction
+from ..contracts import Compliance, Datum, Friction, Wear
 from ..data.coefficients import Scalar
 from ..tools.calls import ByKeyword
 from .foundation import Foundation
@@ -46,7 +46,7 @@ class Joint(Foundation):
 
     if TYPE_CHECKING:
         def __init__(self, boundary: str, compliance: Compliance, friction: Friction | None = None,
-                     gap: Datum = 0.0, tension: Datum = 0.0) -> None: ...
+                     gap: Datum = 0.0, wear: Wear | None = None, tension: Datum = 0.0) -> None: ...
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -77,6 +77,8 @@ class ComplianceLaw:
 class FrictionLaw:
     """Friction bound |sigma_t| <= p_t = Bound(r, p) Coefficient(s), r the penetration, p the pressure, s = |u_t| the slip.
 
+    In a history s is the path of the slip so far, the sum of |change of u_t| over the increments in contact.
+
     `Bound` [stress] maps arrays (npoints,) to an array (npoints,).  Two more methods may be given:
     `BoundDerivatives(r, p)`, the pair of its derivatives by r and p (finite differences otherwise), and `Coefficient(s)`, the
     pair of a factor >= 0 [1] and its derivative [1/length], which is (1, 0) otherwise.
@@ -182,7 +184,7 @@ class CoulombFriction(_Ranged, FrictionLaw):
 @ByKeyword
 @dataclass(frozen=True)
 class SlipWeakeningFriction(_Ranged, FrictionLaw):
-    """p_t = mu(|u_t|) p_n with mu(s) = dynamic + (static - dynamic) exp(-s/distance).
+    """p_t = mu(s) p_n with mu(s) = dynamic + (static - dynamic) exp(-s/distance), s = |u_t|, in a history the path of the slip.
 
     `static`, `dynamic` >= 0 [1] and `distance` > 0 [length] are numbers or CoefficientFunctions.  Weakening (static > dynamic)
     can make several solutions possible; dynamic > static strengthens.
@@ -265,6 +267,27 @@ class TrescaFriction(_Ranged, FrictionLaw):
         return np.zeros_like(r), np.zeros_like(r)
 
 
+@ByKeyword
+@dataclass(frozen=True)
+class ArchardWear(_Ranged):
+    """w = coefficient * int p |du_t|, what is worn off the body along its normal [length]; see wear= of `Foundation`.
+
+    `coefficient` >= 0 [1/stress], volume worn off over force and path, number or CoefficientFunction.
+
+    >>> ArchardWear(1e-4).Depth(np.array([50.0]), np.array([0.2]))
+    array([0.001])
+    """
+
+    coefficient: Any
+    _ranges = {"coefficient": {"least": 0}}
+    __repr__ = Described
+
+    if TYPE_CHECKING:
+        def __init__(self, coefficient: Datum) -> None: ...
+
+    def Depth(self, p: Array, slip: Array) -> Array:
+        return self.coefficient * p * slip
+
+
 def _Missing(law: Any, method: str) -> ProblemError:
     return ProblemError(f"{type(law).__name__} has no method {method}; write it, arrays (npoints,) -> array (npoints,)")
-

@@ -10,7 +10,7 @@ import numpy as np
 from ..contracts import Array
 from ..exceptions import ProblemError
 
-VALUES = ("Pressure", "PressureDerivative", "Bound")    # methods that return an array
+VALUES = ("Pressure", "PressureDerivative", "Bound", "Depth")    # methods that return an array
 ROUNDOFF = 1e-9     # relative, between numpy's ways through short and long arrays
 PAIRS = ("BoundDerivatives", "Coefficient")             # methods that return two of them
 

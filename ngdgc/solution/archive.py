@@ -39,7 +39,8 @@ def Keep(solution: Any, folder: str | PathLike[str], *, more: dict[str, Any] | N
               "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(-1, 5),
               "dofs": _Dofs(disc.space) if disc.given.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
               "origin": np.zeros((0, disc.mesh.dim)) if disc.origin is None else disc.origin,
-              "pieces": PiecesArray(disc.pieces, disc.mesh.dim), **(more or {}),
+              "path": disc.contact.path, "worn": disc.contact.worn, "pieces": PiecesArray(disc.pieces, disc.mesh.dim),
+              **(more or {}),
               **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
@@ -71,13 +72,13 @@ def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],
     for number, form in enumerate(added):
         disc.Add(_On(disc.space, form, f"added[{number}]"))
     # What folders of version 0.2 have not.
-    origin, pieces = arrays.get("origin", np.zeros(0)), arrays.get("pieces", np.zeros(0))
+    *memory, pieces = (arrays.get(name, np.zeros(0)) for name in ("origin", "path", "worn", "pieces"))
     if pieces.size:
         if pieces.dtype != float or pieces.shape[1:] != (1 + (mesh.dim - 1) * mesh.dim,) or not np.all(np.isfinite(pieces)):
             raise ProblemError(f"the pieces in {folder} are no parts of boundary elements; give a folder as "
                                "ContactSolution.Save has left it")
         disc = OnPieces(disc, PiecesOf(pieces, mesh.dim))
-    return disc.After(origin) if origin.size else disc, arrays, words
+    return disc.After(*(array if array.size else None for array in memory)), arrays, words
 
 
 def _Inverse(name: str) -> str:

@@ -70,16 +70,18 @@ def Differs(stored: Any, found: Any) -> bool:
 
 
 def _Laws(contact: ContactBoundary, penetration: Array, slip: Array) -> Array:
-    """p_n at some depths, p_t there at rest and at some slips, one table (n, 1) for each: (k, n, 1)."""
+    """p_n at some depths, p_t there at rest and at some slips, what wears off, one table (n, 1) for each: (k, n, 1)."""
     extent = np.ptp(contact.coordinates, axis=0).max()
     depths, slips = (np.concatenate([extent * DEPTHS, PARTS * np.abs(values).max(initial=0)]) for values in (penetration, slip))
-    tables = np.zeros((len(depths), 3, len(contact.weights)))
+    tables = np.zeros((len(depths), 4 if contact.wears else 3, len(contact.weights)))
     for table, depth, length in zip(tables, depths, slips):
         r, s = (np.full(len(contact.weights), value) for value in (depth, length))
         with np.errstate(all="ignore"):     # a law may end at some penetration
             table[0] = OverParts(contact.parts, ContactPart.Pressure, r)
             bound = OverParts(contact.parts, ContactPart.Bound, r, table[0])
             table[1], table[2] = (bound * OverParts(contact.parts, ContactPart.SlipFactor, at)[0] for at in (0 * s, s))
+            if contact.wears:
+                table[3] = OverParts(contact.parts, ContactPart.Depth, table[0], s)
     return tables.reshape(-1, len(contact.weights), 1)
 
 

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from ngsolve import HEX, PRISM, PYRAMID, QUAD, TET, TRIG, VOL, IntegrationRule
 
 from ..contact.graph import ZONES
+from ..contact.memory import Memory
 from ..contracts import Array
 from ..discrete.state import AsRead
 from ..exceptions import ProblemError
@@ -76,12 +78,28 @@ class Quantities:
         number = int(np.argmax(values))
         return float(values[number]), np.asarray(Coordinates(mesh.dim)(points[number:number + 1])).ravel()
 
+    @cached_property
+    def _memory(self) -> Memory:
+        solution: Any = self
+        return Memory.Of(self.disc.contact, solution.displacement, solution._graph)
+
+    @property
+    def path(self) -> Array:
+        """Sum of |change of u_t| over the increments that ended in slip, this one too, (n,) [length]."""
+        return np.asarray(self._memory.path)
+
+    @property
+    def worn(self) -> Array:
+        """Depth worn off by wear= of the foundation, in this increment too, (n,) [length]; `penetration` is without that."""
+        return np.asarray(self._memory.worn)
+
     @AsRead
     def Table(self) -> Any:
         """The contact quantities, a structured array over the contact points, for numpy, `export.WriteCSV` or pandas.DataFrame.
 
         region of the foundation; x, y (, z) [length]; gap, penetration [length]; pressure [stress]; friction_x, ... on the body
-        [stress]; slip_x, ... [length]; zone; weight [length^(d-1)].  Of a body of revolution r and z in place of x and y.
+        [stress]; slip_x, ... [length]; worn [length], where there is wear; zone; weight [length^(d-1)].  Of a body of
+        revolution r and z in place of x and y.
         """
         solution: Any = self
         contact, axes = self.disc.contact, self.disc.problem.frame.axes[:self.disc.mesh.dim]
@@ -94,6 +112,8 @@ class Quantities:
                                                          "pressure": solution.pressure}
         for name in ("friction", "slip"):
             columns |= {f"{name}_{axis}": values for axis, values in zip(axes, getattr(solution, name).T)}
+        if contact.wears:
+            columns["worn"] = solution.worn
         columns |= {"zone": np.array(ZONES)[solution.zones], "weight": contact.weights}
         table = np.empty(len(contact.weights), dtype=[(name, values.dtype) for name, values in columns.items()])
         for name, values in columns.items():

@@ -139,7 +139,7 @@ class ContactSolution(Quantities):
 
     @property
     def slip(self) -> Array:
-        """u_t, (n, d) [length]."""
+        """u_t since the undeformed body, (n, d) [length]; in a history `path` is what the slips of its increments add up to."""
         return self.disc.contact.Tangential(self.displacement)
 
     @cached_property

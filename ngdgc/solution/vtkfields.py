@@ -39,7 +39,8 @@ def WriteBody(solution: Any, path: str | PathLike[str]) -> Path:
 def WriteContact(solution: Any, path: str | PathLike[str]) -> Path:
     """The file of `export.WriteContactVTK`."""
     contact, cells = solution.disc.contact, ContactCells(solution.disc)
-    names = ("pressure", "friction", "bound", "penetration", "slip", "displacement", "zones", "normals")
+    names = ["pressure", "friction", "bound", "penetration", "slip", "displacement", "zones", "normals"]
+    names += ["worn"] * contact.wears
     fields = {name: np.asarray(getattr(solution, name)) for name in names} | {"gap": contact.gap}
     fields = {name: (_Spatial(field) if field.ndim == 2 else field)[contact.members] for name, field in fields.items()}
     fields |= {"weights": cells.weights, "point": contact.members}

@@ -113,7 +113,7 @@ def Violation(solution: ContactSolution) -> Array:
         horizontal = np.where(p[here] < 0, np.inf, np.abs(r[here] - inverse) / uscale)
         normal[here] = np.minimum(vertical, horizontal)
         nearest = np.where(vertical < horizontal, (r[here], above), (inverse, p[here]))
-        bound[here] = _Bound(part.friction, nearest[0], nearest[1], slid[here])
+        bound[here] = _Bound(part.friction, nearest[0], nearest[1], contact.path[here] + slid[here])
     fscale = max(bound.max(), 1e-3 * tscale)
     size = np.linalg.norm(friction, axis=1)
     stick = np.maximum(slid / uscale, (size - bound) / fscale)
@@ -127,7 +127,7 @@ def Violation(solution: ContactSolution) -> Array:
 
 
 def _Bound(law: Any, r: Array, p: Array, slid: Array) -> Array:
-    """p_t (n,) [stress] at points (r, p) of the normal law and slips |u_t|."""
+    """p_t (n,) [stress] at points (r, p) of the normal law and paths of the slip."""
     if law is None:
         return 0 * r
     if isinstance(law, CoulombFriction):

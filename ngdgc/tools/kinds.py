@@ -54,6 +54,7 @@ KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "material": (_Is("HookeMaterial", "AnisotropicMaterial"), "give a HookeMaterial or an AnisotropicMaterial"),
     "foundation": (_Is("Foundation"), "give a Foundation"),
     "compliance": (lambda value: hasattr(value, "Pressure"), "give a law such as NormalCompliance(stiffness=450)"),
+    "wear": (lambda value: value is None or hasattr(value, "Depth"), "give a law such as ArchardWear(1e-6), or None"),
     "friction": (lambda value: value is None or hasattr(value, "Bound"), "give a law such as CoulombFriction(0.3), or None"),
     "method": (lambda value: hasattr(value, "Form"), "give a method, such as LDG() or Conforming()"),
     "mesh": (_Is("Mesh"), "give an ngsolve.Mesh, for example RectangleMesh(8)"),
@@ -62,7 +63,8 @@ KINDS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "self": (_Evaluated, "its data are CoefficientFunctions, with values at points of a mesh only: take the law in "
                          "Discretization(...).contact.parts"),
     **dict.fromkeys(("displacement", "u"), FUNCTION), **dict.fromkeys(("stress", "strain"), MATRIX),
-    **dict.fromkeys(("r", "p", "slip", "load", "vector", "traction", "functional", "penetration"), ARRAY),
+    **dict.fromkeys(("r", "p", "slip", "load", "vector", "traction", "functional", "penetration", "origin", "slid", "worn"),
+                    ARRAY),
     **dict.fromkeys(("errors", "ratio"), NUMBERS),
     **dict.fromkeys(("history", "levels"), (lambda value: isinstance(value, (list, tuple)), "give a list, such as that of a "
                                             "ContactSolution")),

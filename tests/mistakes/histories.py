@@ -1,5 +1,6 @@
 """Mistakes with load histories, as in `mistakes`."""
 
+import numpy as np
 from ngsolve import CF, Parameter
 
 from ngdgc import (ContactProblem, CoulombFriction, Discretization, EstimateError, EstimateForce, EstimateZones, Foundation,
@@ -53,6 +54,8 @@ HISTORIES = [
     (lambda _: History(start=History(times=(0, 1), friction=0.4)),
      "start was computed with another problem | at time 1 its bounds differ | give the problem"),
     (lambda _: History(solver=UzawaSolver()), "solver is UzawaSolver( | which start from the last state | give"),
+    (lambda _: History().disc.After(np.zeros((3, 2))), "shape (3, 2) | this Gamma_C (4, 2) | give arrays of a state"),
+    (lambda _: History(change=1), "change is 1 | between 0 and 1 | such as 0.1"),
     (lambda _: History(callback=3), "callback is 3 | a function of a Step | give"),
     (lambda _: History()[2], "history[2] | there are 2 states | give an integer from -2 to 1"),
     (lambda _: History(lambda t: {"dirichlet": {"top": CF((0.01 / (t - 2), -0.02))}}),

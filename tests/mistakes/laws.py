@@ -94,6 +94,13 @@ class Short(Law):
         return np.where(r > 1e-6, np.nan, np.maximum(r, 0))
 
 
+class Growing:
+    """A wear law that adds to the body."""
+
+    def Depth(self, p, slip):
+        return -p * slip
+
+
 class Unbounded(FrictionLaw):
     """A friction law whose method was forgotten."""
 
@@ -113,6 +120,8 @@ LAWS = [
     (lambda _: NormalCompliance(1, exponent=0), "exponent is 0 | a positive number | must be"),
     (lambda _: Foundation("bottom", 450), "compliance is 450 | Pressure(r) and PressureDerivative(r) | give a law such as"),
     (lambda _: On(friction=0.3), "friction is 0.3 | an object with Bound(r, p), or None | give a law such as"),
+    (lambda _: On(wear=1e-6), "wear is 1e-06 | an object with Depth(p, slip), or None | give a law such as"),
+    (lambda _: On(wear=Growing()), "Growing on the foundation of 'bottom': the depth that wears off | >= 0 | it must be"),
     (lambda _: Empty().Pressure(np.ones(1)), "Empty has no method Pressure(r) | array (npoints,) | write it"),
     (lambda _: Empty().PressureDerivative(np.ones(1)),
      "Empty has no method PressureDerivative(r) | array (npoints,) | write it"),

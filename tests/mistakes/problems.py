@@ -155,7 +155,7 @@ PROBLEMS = [
     (lambda _: Disc(mesh=Layers(2), foundation=[Joint("mid", SOFT)], dirichlet={"bottom": SPRING}, traction=None).matrix,
      "nothing resists translation along x in part 2 | neither dirichlet nor roller | hold it with"),
     (lambda _: Joint("interface", SOFT, normal=(0, 1)),
-     "Joint(...): there is no argument 'normal' | choose among boundary, compliance, friction, gap, tension | choose"),
+     "Joint(...): there is no argument 'normal' | choose among boundary, compliance, friction, gap, wear, tension | choose"),
     (lambda _: Jointed(tension=-1), "joint 'interface': tension is -1 | at least 0 | must be"),
     (lambda _: Disc(mesh=Inside(), foundation=[Joint("interface", Ending(), tension=5)]),
      "joint 'interface': tension is 5 | reaches at no penetration | make the tension less"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from ngsolve import CF, x
 
 RESULTS: dict[str, Callable[[Any], Any]] = {
@@ -36,6 +37,19 @@ RESULTS: dict[str, Callable[[Any], Any]] = {
     "LoadHistoryFigure.history": lambda s: s.loadhistory, "against": lambda s: None,
     "stress": lambda s: s.solution.stress,
     "estimate": lambda s: None,
+    # Histories.
+    "origin": lambda s: s.solution.displacement.copy(),
+    "slid": lambda s: np.linalg.norm(s.solution.slip, axis=1),
+    "worn": lambda s: abs(s.solution.penetration),
+    "change": lambda s: s.Choose(None, 0.2),
+    "parameter": lambda s: s.parameter,
+    "times": lambda s: s.Choose([0.5, 1], np.array([0.3, 1, 2])),
+    "SolveHistory.disc": lambda s: s.led,
+    "SolveHistory.solver": lambda s: None,
+    "SolveHistory.start": lambda s: None,
+    "states": lambda s: None,
+    "LoadHistory.states": lambda s: s.loadhistory.states,
+    "recall": lambda s: None,
     # Exact solutions and errors.
     "dim": lambda s: s.dim,
     "u": lambda s: CF((x, 0, 0)[:s.dim]),

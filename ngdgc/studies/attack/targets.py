@@ -24,7 +24,7 @@ from ...meshes import BOXCELLS, CELLS, UnitMesh
 from ...methods.registry import METHODS, Options
 from ...methods.rows import LDG, InteriorPenalty
 from ...problem.foundation import Foundation
-from ...problem.laws import (ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction,
+from ...problem.laws import (ArchardWear, ComplianceLaw, CoulombFriction, FrictionLaw, NormalCompliance, PowerFriction,
                              SlipWeakeningFriction, TrescaFriction)
 from ...problem.materials import HookeMaterial, Strain
 from ...problem.problem import ContactProblem
@@ -226,6 +226,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "units": lambda s: s.Choose(None, ("mm", "MPa")),
     "r": lambda s: s.Points(1),
     "p": lambda s: abs(s.Points(1)),
+    "Depth.slip": lambda s: abs(s.Points(1)),
     "Coefficient.slip": lambda s: abs(s.Points(1)),
     "npoints": lambda s: 1,
     "name": lambda s: "the law's ",
@@ -278,21 +279,14 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "most": lambda s: 3000,
     "goals": lambda s: (),
     "normal": lambda s: s.Choose("explicit", "implicit"),
+    "wear": lambda s: s.Choose(None, None, ArchardWear(1e-5)),
     "Foundation.normal": lambda s: (0,) * (s.dim - 1) + (-1,),
     "acceleration": lambda s: s.Choose(None, "anderson"),
     "coarser": lambda s: s.Choose(None, (), [UnitMesh(1, s.cells)]),
     "callback": lambda s: s.Choose(repr, Interrupt) if s.rng.random() < 0.1 else None,
     "start": lambda s: s.Choose(None, (s.solution.displacement, s.solution.traction)),
-    "parameter": lambda s: s.parameter,
-    "times": lambda s: s.Choose([0.5, 1], np.array([0.3, 1, 2])),
-    "SolveHistory.disc": lambda s: s.led,
     "WriteSeries.solutions": lambda s: s.Choose(s.loadhistory, [s.solution, s.solution]),
     "WriteSeries.times": lambda s: s.Choose(None, (0, 1)),
-    "SolveHistory.solver": lambda s: None,
-    "SolveHistory.start": lambda s: None,
-    "states": lambda s: None,
-    "LoadHistory.states": lambda s: s.loadhistory.states,
-    "recall": lambda s: None,
     "count": lambda s: int(s.rng.integers(1, 4)),
     "seed": lambda s: int(s.rng.integers(10)),
     "penetration": lambda s: s.Points(0.1),

@@ -6,10 +6,10 @@ from itertools import chain, pairwise
 from typing import Any
 
 import numpy as np
-from ngsolve import VOL, BaseMatrix, BaseVector, FESpace
+from ngsolve import VOL, BaseMatrix, BaseVector, CreateVVector, FESpace
 
 from ..contracts import Preconditioner
-from ..mesh.facets import Csr, Native
+from ..mesh.facets import Csr
 from ..tools import sparse as sp
 
 
@@ -51,16 +51,16 @@ class Correction:
 
     def __init__(self, matrix: BaseMatrix, embedding: sp.csr_matrix, coarse: Preconditioner) -> None:
         self.matrix, self.coarse = matrix, coarse
-        self.embedding = Native(embedding)
-        self.restriction = self.embedding.CreateTranspose()
+        # As they are: to make NGSolve's matrices of them takes as long as some cycles.
+        self.embedding, self.restriction = embedding, embedding.T.tocsr()
         self.rest = matrix.CreateColVector()
-        self.source, self.target = self.restriction.CreateColVector(), self.embedding.CreateRowVector()
+        self.source, self.target = (CreateVVector(embedding.shape[1]) for _ in range(2))
 
     def Smooth(self, x: BaseVector, b: BaseVector) -> None:
         self.rest.data = b - self.matrix * x
-        self.source.data = self.restriction * self.rest
+        self.source.FV().NumPy()[:] = self.restriction @ self.rest.FV().NumPy()
         self.coarse.Mult(self.source, self.target)
-        x.data += self.embedding * self.target
+        x.FV().NumPy()[:] += self.embedding @ self.target.FV().NumPy()
 
     SmoothBack = Smooth
 

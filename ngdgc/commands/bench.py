@@ -44,7 +44,9 @@ def AddBench(commands: Commands) -> None:
 def Bench(options: Namespace) -> int:
     """Everything; what was computed is written and printed also after Ctrl-C."""
     from ..studies.bench import solutions as bench
+    from ..studies.atlas.solvers import Point
     from ..studies.bench.page import Compared, Figures, Page, Text
+    from ..studies.bench.traffic import LONG, MeasureTraffic
 
     benches = {name: points for name, points in bench.Benches(quick=options.quick).items() if options.only in name}
     if not benches:
@@ -63,6 +65,9 @@ def Bench(options: Namespace) -> int:
                 result = bench.Peer(name.lower(), n, python=options.python)
                 ours = None if isinstance(result, str) else bench.Measure(point, repeat=options.repeat)
                 lines.append(Compared(name, result, ours))
+            Show("memory")
+            box = Point(problem="box", n=3 if options.quick else 15, stiffness=1.0)
+            lines.append(str(MeasureTraffic(box, length=1 << 16 if options.quick else LONG)))
         finally:
             costs = {name: group for name, group in costs.items() if group}
             if costs:

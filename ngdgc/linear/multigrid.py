@@ -164,13 +164,13 @@ class VCycle:
         self._embedding = self.order.Rows(embedding)
         self._restriction = self._embedding.T.tocsr()
         self._source, self._target = (CreateVVector(embedding.shape[1]) for _ in range(2))
-        self._blocks = ElementBlocks(matrix, self.order)
-        self.To, self.From, self.Product = self.order.To, self.order.From, self._blocks.Product
-        self.diagonal = self._blocks.diagonal.diagonal()
+        self.blocks = ElementBlocks(matrix, self.order)
+        self.To, self.From, self.Product = self.order.To, self.order.From, self.blocks.Product
+        self.diagonal = self.blocks.diagonal.diagonal()
 
     def Precondition(self, b: Array) -> tuple[Array, Array]:
         """(z, A z) with z = P b."""
-        blocks = self._blocks
+        blocks = self.blocks
         x = blocks.Forwards(b)
         self._source.FV().NumPy()[:] = self._restriction @ (blocks.upper @ -x)
         self._coarse.Mult(self._source, self._target)

@@ -8,6 +8,7 @@ from ngdgc.studies.bench import solutions as bench
 from ngdgc.studies.atlas.solvers import Point
 from ngdgc.studies.bench.assembly import MeasureAssembly, Text
 from ngdgc.studies.bench.page import Page
+from ngdgc.studies.bench.traffic import MeasureTraffic, Traffic
 from ngdgc.cases import example_4_1, example_4_2
 from ngdgc.cli import Main
 from ngdgc.studies.stability import Study
@@ -136,3 +137,13 @@ def test_a_case_without_a_problem_has_no_stability(tmp_path, capsys):
 def test_no_repetition_is_refused():
     with pytest.raises(ProblemError, match="repeat is 0"):
         MeasureAssembly(LDG(), n=4, repeat=0)
+
+
+def test_traffic_counts_what_a_step_reads():
+    """On tetrahedra of order 1 blocks of 12 x 12: of L, L' one for each facet between two elements, of D^-1 one an element."""
+    traffic = MeasureTraffic(Point(problem="box", n=2, stiffness=1.0), length=1 << 12, repeat=1)
+    elements, inner = 6 * 2 ** 3, (4 * 6 * 2 ** 3 - 6 * 2 * 2 ** 2) // 2
+    assert (traffic.dofs, traffic.bytes) == (12 * elements, 8 * 12 ** 2 * (5 * inner + 2 * elements))
+    assert traffic.steps > 5 and traffic.seconds > 0 and traffic.bandwidth > 1e7
+    half = Traffic(dofs=1, steps=1, seconds=0.5, bytes=100, bandwidth=400.0)
+    assert half.fraction == 0.5 and "0.5 of the 4e-07 GB/s" in str(half)

@@ -89,4 +89,4 @@ def Page(benches: Mapping[str, Sequence[Cost]], peers: Iterable[str], processors
         lines += [*(f"* {name}: time grows as unknowns^{exponent:.2f}" for name, exponent in _Growths(benches)), ""]
     for name, costs in benches.items():
         lines += [f"## {name}", "", *Piped([HEADER, *map(_Cells, costs)]), ""]
-    return "\n".join([*lines, "## Other codes", "", *(f"* {line}" for line in peers), ""])
+    return "\n".join([*lines, "## Other codes, and memory", "", *(f"* {line}" for line in peers), ""])

@@ -94,6 +94,15 @@ def test_press_fit_of_a_ring(method):
     np.testing.assert_allclose(solution.Force("right")[0], 4 * np.pi * HOOP, rtol=1e-10)
 
 
+def test_springs_count_around_the_axis():
+    """Constant strain with springs above, whose pull the traction there makes up for."""
+    stiffness = 30.0
+    problem = ContactProblem(STEEL, Pressed().foundation, spring={"top": (0, stiffness)}, axisymmetric=True,
+                             traction={"top": (0, AXIAL + stiffness * (B + C)), "right": (HOOP, 0)})
+    solution = SHARP.Solve(Discretization(problem, LDG(), Mixed(), order=2))
+    assert Check(solution, EXACT, -AXIAL) < 1e-10
+
+
 @pytest.mark.parametrize("member, forgotten", [("Integral", lambda self, integrand, symbol: integrand * symbol),
                                                ("Weights", lambda self, weights, *_: weights)])
 def test_forgotten_weights_are_seen(monkeypatch, member, forgotten):
@@ -168,7 +177,10 @@ def test_orders_on_a_field_that_reaches_the_axis(method, order):
     assert abs(Rates([EnergyError(solution, u) for solution in solutions])[0] - order) < 0.1
     assert abs(Rates([L2Error(solution, u) for solution in solutions])[0] - order - 1) < 0.1
     assert EnergyError(solutions[-1], u) < {1: 1.2e-2, 2: 2e-4}[order]
-    # u_r vanishes on the axis by nature: nothing imposes it.
+    # On the axis u_r/r is d_r u_r.
+    hoop = solutions[-1].strain(solutions[-1].disc.mesh(0, 0.37))[8]
+    assert hoop == pytest.approx(0.1 * (1 + 0.37 ** 2 / 2), rel=5e-2 / order ** 4)
+    # u_r vanishes there by nature: nothing imposes it.
     assert abs(solutions[-1].gfu[0](solutions[-1].disc.mesh(0, 0.37))) < {1: 2e-4, 2: 1e-5}[order]
 
 

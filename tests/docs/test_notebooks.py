@@ -45,8 +45,8 @@ def Stored(notebook):
             yield f"the id of cell {number} is {cell['id']}"
 
 
-def test_there_are_eleven_notebooks_each_with_model_solutions():
-    assert [path.stem[:2] for path in NOTEBOOKS] == [f"{number:02d}" for number in range(1, 12)]
+def test_there_are_twelve_notebooks_each_with_model_solutions():
+    assert [path.stem[:2] for path in NOTEBOOKS] == [f"{number:02d}" for number in range(1, 13)]
     assert [path.stem for path in NOTEBOOKS] == [path.stem for path in sorted((FOLDER / "solutions").glob("*.py"))]
 
 

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..contact.graph import ContactGraph
+import numpy as np
+
+from ..contact.graph import SEPARATION, ContactGraph
 from ..contact.stiffness import BodyStiffness
 from ..discrete.divided import OnPieces
 from ..exceptions import ProblemError
@@ -27,12 +29,13 @@ def SolveDivided(solution: Any, *, tol: float = 1e-10) -> ContactSolution:
     part has a quadrature of its own, and Newton's method begins from `solution`.  Matrix, mesh and unknowns stay what they are,
     the energy error too; `solution.disc.pieces` are the parts, and Save keeps them.
 
-    On foundations with k_n h > E the traction has a root at its end and not a kink: no part is a polynomial, and nothing is
-    gained.  Where stick ends nothing is divided: u_t = 0 at all points of a part would make u_t vanish on the whole facet.
+    Facets on which the foundation is stiffer than the body, p_n' > 2 mu k/h, stay whole: there the traction has a root at its
+    end and not a kink, no part is a polynomial, and nothing would be gained.  Where stick ends nothing is divided: u_t = 0 at
+    all points of a part would make u_t vanish on the whole facet.
     Quadrilaterals of Gamma_C, on hexahedra, are divided into sixteen equal parts.
 
     solution : ContactSolution of a discontinuous method, 2D or 3D, also one that is divided already: its ends are looked for
-        again.  Where contact ends in no facet it is returned itself
+        again.  Where no facet is to be divided it is returned itself
     tol : of the law residual, no unit
 
     Raises ProblemError for continuous methods, whose contact points are nodes, for solutions that have not converged and for
@@ -57,13 +60,17 @@ def SolveDivided(solution: Any, *, tol: float = 1e-10) -> ContactSolution:
     with solution.state.Restored():
         graph, rules = ContactGraph(disc.contact, BodyStiffness(disc)), ContactRules(disc.method, disc.mesh.dim, disc.order)
         openings = Openings(graph, graph.Coordinates(solution.displacement, solution.traction))
-        pieces = ZonePieces(disc.facets, disc.contact, openings, rules, disc.pieces)
+        # A facet may be in contact beyond its points alone.
+        r = np.where(solution.zones == SEPARATION, solution.penetration.max(), solution.penetration)
+        stiff = disc.contact.boundaryelements[disc.contact.PressureDerivative(r) > graph.scale]
+        found = ZonePieces(disc.facets, disc.contact, openings, rules, disc.pieces)
+        pieces = {number: parts for number, parts in found.items() if number not in stiff}
         if not pieces:
             return solution
         divided = OnPieces(disc, pieces)
-        found, seconds = FromPrediction(solver, divided, Transfer(solution, divided.contact), None)
-    levels = [*solution.levels, LevelOf(found.disc, found.history, seconds, True)]
-    again = ContactSolution(found.disc, found.vector, found.traction, history=found.history, levels=levels,
+        last, seconds = FromPrediction(solver, divided, Transfer(solution, divided.contact), None)
+    levels = [*solution.levels, LevelOf(last.disc, last.history, seconds, True)]
+    again = ContactSolution(last.disc, last.vector, last.traction, history=last.history, levels=levels,
                             solver=f"SolveDivided(tol={tol:g})")
     again.case = solution.case
     return again

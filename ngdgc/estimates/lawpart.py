@@ -184,7 +184,7 @@ class _Pair:
         left = (q - pulled) / gamma[:, None]
         self.near = self.p + gamma * (r - deep), pulled
         self.moved = gamma / 2 * ((r - deep) ** 2 + np.square(slip - left).sum(axis=1))
-        self.left = _Young(part, np.maximum(deep, 0), r, self.near[0]) + _Dissipation(bound, pulled, slip)
+        self.left = _Young(part, deep, r, self.near[0]) + _Dissipation(bound, pulled, slip)
         raw, rubbed = _Young(part, self._depth, r, self.p), _Dissipation(bound, self.friction, slip)
         self.gap = raw + rubbed
         self.envelope = np.minimum(raw, _Young(part, self._depth, deep, self.p) + gamma / 2 * (r - deep) ** 2)

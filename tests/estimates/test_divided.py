@@ -145,6 +145,16 @@ def test_a_bond_ends_where_its_tension_is_reached():
         assert np.all((graph.At(q).zones > 0) == zone)
 
 
+@pytest.mark.parametrize("stiffness, divided", [(500, True), (1e6, False)])
+def test_foundations_that_are_stiffer_than_the_body_stay_whole(stiffness, divided):
+    """p_n' = 1e6 against 2 mu k/h = 7 700: there the traction has a root where contact ends."""
+    foundation = Foundation("bottom", NormalCompliance(stiffness))
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": (0.01, -0.02)},
+                             traction={"left": (0, 100)})
+    solution = Solve(Discretization(problem, LDG(), RectangleMesh(5), order=2))
+    assert set(solution.zones) == {0, 2} and (SolveDivided(solution) is not solution) == divided
+
+
 def test_where_contact_ends_in_no_facet_nothing_is_divided():
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("bottom", NormalCompliance(500)),
                              dirichlet={"top": (0, -0.02)})

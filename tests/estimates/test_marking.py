@@ -95,10 +95,16 @@ def test_the_last_mesh_goes_on_where_it_has_stopped(monkeypatch):
     """Where the inverse is an iteration: with its matrix, from its residual, and no digit of balance before that is needed."""
     def Found():
         made.clear()
+        most.clear()
         disc = Discretization(savings.Box(), InteriorPenalty(), BoxMesh(2), order=1, inverse="iterative")
         return adaptive.Adapt(disc, tol=0.28, goal="energy", most=10 ** 4, callback=None)
 
-    made, Factorise = [], ContactResponse._Factorise
+    def Spied(self, *arguments, **goal):
+        most.append(goal.get("most"))
+        return Approach(self, *arguments, **goal)
+
+    made, most, Factorise, Approach = [], [], ContactResponse._Factorise, ContactResponse.Approach
+    monkeypatch.setattr(ContactResponse, "Approach", Spied)
     monkeypatch.setattr(ContactResponse, "_Factorise", lambda self: made.append(self.disc.matrix.height) or Factorise(self))
     solution = Found()
     last = solution.levels[-1]
@@ -106,6 +112,9 @@ def test_the_last_mesh_goes_on_where_it_has_stopped(monkeypatch):
     residuals = np.array([step.residual for step in solution.history])
     stopped = np.flatnonzero(residuals <= 1e-4)[0]
     assert 0 < stopped < len(residuals) - 1 and residuals[stopped + 1:].max() < 1e-4
+    # Balance is asked for when the law holds: once a mesh, a thousandth of what the law is solved to, and at the very end.
+    asked = [goal for goal in most if goal is not None]
+    assert len(asked) == len(solution.levels) + 1 and asked[-1] == 1e-10 and min(asked[1:-1]) >= 1e-8
     loose = [one.EquilibriumResidual() for one in solution.earlier[1:]]
     assert loose and 1e-10 < max(loose) < 1e-6
     monkeypatch.setattr(paused, "CARRIED", 0.0)     # controls: conjugate gradients to the end, and runs that begin again

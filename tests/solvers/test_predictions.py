@@ -50,8 +50,8 @@ def test_larger_problems_get_fewer_other_starts(unknowns, others, monkeypatch):
 @pytest.mark.parametrize("dim", [2, 3])
 def test_nearest_points(dim, pairs, monkeypatch):
     monkeypatch.setattr(nested, "PAIRS", pairs)
-    points, targets = np.random.default_rng(1).random((50, dim)), np.random.default_rng(2).random((30, dim))
-    for most in (1, 4, 50):
+    points, targets = np.random.default_rng(1).random((3000, dim)), np.random.default_rng(2).random((30, dim))
+    for most in (1, 4, 300):
         distances, nearest = nested.Nearest(points, targets, most)
         wanted, numbers = cKDTree(points).query(targets, k=np.arange(1, most + 1))
         assert np.array_equal(nearest, numbers) and np.allclose(distances, wanted, rtol=1e-15, atol=0)

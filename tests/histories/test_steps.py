@@ -8,6 +8,7 @@ from problems import Along
 from ngdgc import (LDG, ArchardWear, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, NormalCompliance, SolveHistory)
 from ngdgc.histories import solve
+from ngdgc.histories.increments import Increments
 from ngdgc.histories.steps import _ZoneChange
 from ngdgc.meshes import RectangleMesh
 
@@ -39,8 +40,17 @@ def Dragged(times, monkeypatch, **options):
 
 def test_increments_that_change_too_many_zones_are_halved_and_the_balance_is_that_of_the_parts(monkeypatch):
     """States, work and dissipation are those of a history through the parts; a body that begins to stick does so at once."""
+    taken_back, Back = [], Increments.Back
+
+    def Recorded(increments):
+        refused = increments.moment
+        Back(increments)
+        taken_back.append(increments.moment is not refused)
+
     with monkeypatch.context() as patched:
+        patched.setattr(Increments, "Back", Recorded)
         adapted, steps = Dragged([1, 2, 3], patched, change=0.3)
+    assert taken_back and all(taken_back)       # the next part begins at the state before
     parts = [increment.parts for increment in adapted.increments]
     taken = [time for time, after in zip([time for time, _ in steps], [*[time for time, _ in steps[1:]], 4]) if after > time]
     assert parts[0] == 1 and 4 <= max(parts) <= 16 and len(taken) == sum(parts[1:])

@@ -57,6 +57,8 @@ def test_constant_strain_is_returned(name, order):
     np.testing.assert_allclose([solution.Force("bottom")[1], solution.Force("top")[1], solution.normalforce],
                                [-np.pi * AXIAL, np.pi * AXIAL, -np.pi * AXIAL], rtol=1e-11)
     np.testing.assert_allclose(solution.Force("right")[0], 2 * np.pi * HOOP, rtol=1e-11)
+    assert abs(solution.Force("top")[0]) < 1e-10 and not any(np.any(part.moment) for part in solution.Resultants())
+    np.testing.assert_allclose(L2Error(solution, EXACT + CF((1, 0))), np.sqrt(np.pi), rtol=1e-10)
     np.testing.assert_allclose(solution.energy, np.pi / 2 * (2 * A * HOOP + B * AXIAL), rtol=1e-11)
 
 

@@ -54,7 +54,7 @@ setup(
     install_requires=["ngsolve>=6.2.2604", "numpy", "scipy", "matplotlib", "threadpoolctl>=3", "webgui_jupyter_widgets",
                       "pyamg>=5", "psutil"],
     extras_require={"test": ["pytest", "pytest-xdist>=3.7", "ruff", "mypy", "build", "setuptools>=77", "pyyaml", *NOTEBOOK],
-                    "mkl": ["mkl"], "notebook": ["jupyterlab", *NOTEBOOK],
+                    "mkl": ["mkl"], "mpi": ["mpi4py", "petsc4py"], "notebook": ["jupyterlab", *NOTEBOOK],
                     "docs": ["sphinx>=8", "myst-nb>=1.4", "furo", "sphinx-design", "sphinx-copybutton",
                              "sphinx-mathjax-offline", *NOTEBOOK]},
     entry_points={"console_scripts": ["ngdgc = ngdgc.cli:Main"]},

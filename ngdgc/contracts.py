@@ -212,7 +212,8 @@ class LinearProblem(Protocol):
     matrix : NGSolve's A;  load : f (ndof,);  prescribed : function with the strongly prescribed values (ndof,), or 0
     contact : Gamma_C with T and its adjoint T' W;  shift : displacement there that is not in the space (n, d), or 0
     motions : (m, ndof), rigid motions that A does not resist;  unresisted : words for them, or None;  resultant : of f (d,)
-    inverse : A^-1;  solves, cycles, factorisation : what inverses have cost
+    inverse : A^-1;  solves, cycles, factorisation : what inverses have cost;  unknowns : how many equations
+    FactoriseSum : the inverse of A and a matrix of `contact.Stiffness`;  Norm : the Euclidean norm of a vector
     """
 
     @property
@@ -262,7 +263,12 @@ class LinearProblem(Protocol):
 
     def Multiply(self, vector: Array) -> Array: ...
 
-    def Factorise(self, matrix: Any) -> Inverse: ...
+    @property
+    def unknowns(self) -> int: ...
+
+    def Norm(self, vector: Array) -> float: ...
+
+    def FactoriseSum(self, added: Any) -> Inverse: ...
 
     def ApplyInverse(self, inverse: Inverse, load: Array) -> Array: ...
 

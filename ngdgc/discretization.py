@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 from ngsolve import Mesh
 
@@ -46,6 +47,12 @@ class Discretization(DiscreteProblem):
     (384, True)
     """
 
+    def __new__(cls, *arguments: Any, **options: Any) -> Any:
+        mesh = options.get("mesh", arguments[2] if len(arguments) > 2 else None)
+        if hasattr(mesh, "Discretize"):     # which is spread over processes, a `distributed.DistributedMesh`
+            return Spread(*arguments, **options)
+        return super().__new__(cls)
+
     def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",
                  inverse: str | Inverter = "auto") -> None:
         super().__init__(problem, method, mesh, order=order, assembly=assembly, inverse=inverse)
@@ -64,3 +71,8 @@ class Discretization(DiscreteProblem):
         True
         """
         return NestedNewtonSolver(tol=tol, coarser=coarser).Solve(self, callback=callback)
+
+
+def Spread(problem: Any, method: Any, mesh: Any, *, order: int = 1, assembly: str = "facet", inverse: Any = "auto") -> Any:
+    """What a mesh that is spread over processes makes of the arguments of a Discretization."""
+    return mesh.Discretize(problem, method, order=order, assembly=assembly, inverse=inverse)

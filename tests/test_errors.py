@@ -14,6 +14,7 @@ from mistakes.calls import CALLS
 from mistakes.commands import COMMANDS
 from mistakes.contracts import CONTRACTS
 from mistakes.data import DATA
+from mistakes.distributed import DISTRIBUTED
 from mistakes.estimates import ESTIMATES
 from mistakes.forces import FORCES
 from mistakes.histories import HISTORIES
@@ -34,8 +35,8 @@ PACKAGE = Path(ngdgc.__file__).parent
 SOURCES = [path for path in PACKAGE.rglob("*.py") if path.relative_to(PACKAGE).parts[0] not in ("exercises", "cases")]
 # Functions that make messages, or parts of them, of words.
 MAKERS = ("Diagnose", "_Remedy", "remedies", "CheckLaw", "_Mistake")
-ROWS = (CALLS + CONTRACTS + DATA + ESTIMATES + FORCES + HISTORIES + LAWS + MESHES + PROBLEMS + RESULTS + REVOLUTION + SAVED
-        + SOLVERS + STUDIES + COMMANDS + FAILURES)
+ROWS = (CALLS + CONTRACTS + DATA + DISTRIBUTED + ESTIMATES + FORCES + HISTORIES + LAWS + MESHES + PROBLEMS + RESULTS
+        + REVOLUTION + SAVED + SOLVERS + STUDIES + COMMANDS + FAILURES)
 
 
 @cache

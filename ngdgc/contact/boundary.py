@@ -52,6 +52,7 @@ class ContactBoundary:
     trace : sparse ((n i), ndof), row n d + i gives component i of u_h, on a joint of its jump [u_h], at point n
     joined : (n,) True on joints;  beyond : mesh points on their second side, elsewhere those of `inside`
     tension, depth : (n,) of the `bonds.Bond` of joints, else 0 [stress], [length]
+    shear : shear modulus inside (n,) [stress]
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of `ContactPart`, one for each foundation, in the order of the points
     origin : u_t of the state from which slip counts (n, d) [length]; None: the undeformed body
@@ -87,8 +88,9 @@ class ContactBoundary:
         self.coordinates, self.inside, points, owner = coordinates[first], inside[first], points[first], owner[first]
         self.beyond, self.joined = self.beyond[first], self.joined[first]
         self.trace = trace[(first[:, None] * dim + np.arange(dim)).ravel()]
-        within = (self.inside, self.beyond) if any(joints) else (self.inside,)
-        self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(problem.material.ShearAt(at).min() for at in within)
+        self.shear = problem.material.ShearAt(self.inside)
+        beyond = problem.material.ShearAt(self.beyond) if any(joints) else self.shear
+        self.flexibility = np.ptp(self.coordinates, axis=0).max() / min(self.shear.min(), beyond.min())
         self.gap = np.empty(len(self.weights))
         self.given, self.parts = self.gap, []
         self.path = self.worn = np.zeros_like(self.gap)
@@ -187,6 +189,13 @@ class ContactBoundary:
         traces = sp.diags(root) @ self.trace[:, used]
         coefficients = spla.lsmr(traces, root * traction.ravel(), atol=1e-14, btol=1e-14, conlim=0, maxiter=10 * len(used))[0]
         return np.asarray((there or self).trace[:, used] @ coefficients).reshape(-1, self.dim)
+
+    def Stiffness(self, stiffness: Array) -> sp.csr_matrix:
+        """T' W D T of a stiffness D (n, d, d) [stress/length], scipy CSR (ndof, ndof)."""
+        n, dim = self.normals.shape
+        weighted = self.weights[:, None, None] * stiffness
+        diagonal = sp.bsr_matrix((weighted, np.arange(n), np.arange(n + 1)), shape=(n * dim, n * dim)).tocsr()
+        return (self.trace.T @ diagonal @ self.trace).tocsr()
 
     def Load(self, traction: Array) -> Array:
         """The coefficients of v -> int_GammaC t.v for t at the points, (n, d) -> (ndof,)."""

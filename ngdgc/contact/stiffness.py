@@ -13,7 +13,7 @@ CAP = 100       # largest stiffness of the foundation that goes into a matrix, i
 def BodyStiffness(disc: LinearProblem) -> Array:
     """gamma (n,) [stress/length]: what the body opposes to a traction on one facet of diameter h, 2 mu k/h."""
     contact = disc.contact
-    return 2 * disc.order * disc.problem.material.ShearAt(contact.inside) / contact.measures ** (1 / (contact.dim - 1))
+    return 2 * disc.order * contact.shear / contact.measures ** (1 / (contact.dim - 1))
 
 
 def LawStiffness(point: GraphPoint, scale: Array, normals: Array, *, sticking: float | Array = CAP) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,14 +18,18 @@ from ..problem.problem import ContactProblem
 from .checks import CheckPart
 
 
-def GivenTractions(problem: ContactProblem, space: FESpace) -> dict[tuple[str, str], CoefficientFunction]:
-    """{(kind, region): vector} on Gamma_F [stress]: tractions as they are given, forces over their areas."""
+def GivenTractions(problem: ContactProblem, space: FESpace,
+                   areas: Mapping[str, float] | None = None) -> dict[tuple[str, str], CoefficientFunction]:
+    """{(kind, region): vector} on Gamma_F [stress]: tractions as they are given, forces over their areas.
+
+    areas : of the regions of forces; None: as they are on the mesh of the space
+    """
     found = {("traction", region): value for region, value in problem.traction.items()}
-    return found | {("force", region): value / _Area(problem, region, space)
+    return found | {("force", region): value / (areas[region] if areas else AreaOf(problem, region, space))
                     for region, value in problem.force.items()}
 
 
-def _Area(problem: ContactProblem, region: str, space: FESpace) -> float:
+def AreaOf(problem: ContactProblem, region: str, space: FESpace) -> float:
     """Of a region, as loads of the space are integrated: a force over it has its total to round-off."""
     v, dim = space.TestFunction(), space.mesh.dim
     return float(ProjectedMotions(space, np.zeros(dim))[0] @ Coefficients(

@@ -15,7 +15,7 @@ from ..linear.equations import LinearEquations
 from ..linear.motions import FreeMotions, ProjectedMotions
 from ..linear.outside import Made
 from ..mesh.doubling import Doubled
-from ..mesh.facets import Csr, Facets, Native, Threads
+from ..mesh.facets import Csr, Facets, Free, Native, Threads
 from ..mesh.pieces import Pieces
 from ..problem.problem import ContactProblem
 from ..tools.calls import ByKeyword
@@ -223,6 +223,7 @@ class DiscreteProblem(LinearEquations):
         """The sum of all loads, (d,) [stress length^(d-1)]."""
         return ProjectedMotions(self.space, np.zeros(self.mesh.dim))[:self.mesh.dim] @ self.load
 
+    reduce: Any = None      # what makes a `subspace.Subspace` of it; None: that class
     shift = 0.0     # displacement of Gamma_C that is not in the space, as `subspace.Subspace` has one
 
     @Frozen
@@ -234,6 +235,19 @@ class DiscreteProblem(LinearEquations):
     def prescribed(self) -> Array:
         """Coefficients (ndof,) of a function with the strongly prescribed boundary values, zero for DG."""
         return StrongValues(self)
+
+    @property
+    def unknowns(self) -> int:
+        return int(self.space.ndof)
+
+    @property
+    def free(self) -> Any:
+        return Free(self.space)
+
+    @Frozen
+    def rigidbasis(self) -> Array:
+        """Coefficients of the rigid motions, (modes, ndof), rotations about the origin."""
+        return ProjectedMotions(self.space, np.zeros(self.mesh.dim))
 
     @OfMatrix
     def inverse(self) -> Inverse:

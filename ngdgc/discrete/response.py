@@ -20,9 +20,6 @@ from ..contact.equilibrium import Equilibrium
 from ..contracts import Array, InexactInverse, Inverse, LinearProblem
 from ..exceptions import ProblemError
 from ..linear.motions import Deflation
-from ..linear.sums import Sum
-from ..mesh.facets import Threads
-from ..tools import sparse as sp
 
 
 class ContactResponse:
@@ -58,10 +55,10 @@ class ContactResponse:
         disc = self.disc
         load = disc.load + self.contact.Load(self.Restoring(displacement) - traction)
         excess = load - disc.Multiply(vector) - self.contact.Load(self.Restoring(self.contact.Displacement(vector)))
-        goal = part * np.linalg.norm(excess)
+        goal = part * disc.Norm(excess)
         if most is not None:
-            goal = min(goal, most * np.linalg.norm(disc.load))
-        vector = disc.Iterate(cast(InexactInverse, self._inverse), load, tol=float(goal / (np.linalg.norm(load) or 1)),
+            goal = min(goal, most * disc.Norm(disc.load))
+        vector = disc.Iterate(cast(InexactInverse, self._inverse), load, tol=goal / (disc.Norm(load) or 1),
                               start=vector)
         if self._deflation:
             vector = self._deflation.Balance(vector, load)
@@ -111,13 +108,7 @@ class ContactResponse:
 
     def _Factorise(self) -> Inverse:
         """The inverse of A + T' W D T."""
-        disc, contact = self.disc, self.contact
-        n, dim = contact.normals.shape
-        weighted = contact.weights[:, None, None] * self.stiffness
-        diagonal = sp.bsr_matrix((weighted, np.arange(n), np.arange(n + 1)), shape=(n * dim, n * dim)).tocsr()
-        added = (contact.trace.T @ diagonal @ contact.trace).tocsr()
-        with Threads(disc.mesh):
-            return disc.Factorise(Sum(disc.matrix, added))
+        return self.disc.FactoriseSum(self.contact.Stiffness(cast(Array, self.stiffness)))
 
 
 def Apply(matrices: Array, vectors: Array) -> Array:

@@ -12,7 +12,9 @@ import numpy as np
 from ..contracts import Array, Inverse, InexactInverse
 from ..exceptions import ProblemError
 from ..mesh.facets import Threads
+from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
+from .sums import Sum
 
 
 @ByKeyword
@@ -46,6 +48,25 @@ class LinearEquations(ABC):
             inverse = self.MakeInverse(matrix)
             self.factorisation += time.perf_counter() - start
         return inverse
+
+    def FactoriseSum(self, added: sp.csr_matrix) -> Inverse:
+        """The inverse of A and a few entries more, scipy CSR, such as those of Gamma_C."""
+        with Threads(self.mesh):
+            return self.Factorise(Sum(self.matrix, added))
+
+    @property
+    def unknowns(self) -> int:
+        """The number of equations."""
+        return int(self.matrix.height)
+
+    @property
+    def diagonal(self) -> Array:
+        """That of A, (ndof,)."""
+        return np.asarray(sp.csr_matrix(self.matrix.CSR(), shape=self.matrix.shape).diagonal())
+
+    def Norm(self, vector: Array) -> float:
+        """The Euclidean norm of coefficients, or of some of them."""
+        return float(np.linalg.norm(vector))
 
     def Multiply(self, vector: Array) -> Array:
         """A x, (ndof,) -> (ndof,)."""

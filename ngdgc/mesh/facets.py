@@ -18,6 +18,7 @@ from ..tools import sparse as sp
 from ..tools.parallel import Idle
 from .components import Components
 from .interfaces import Interfaces
+from .ofbody import OfBody
 
 # Vertices of NGSolve's reference elements, in the order of Element.vertices.
 REFERENCE_VERTICES = {
@@ -110,7 +111,7 @@ def VolumePoints(mesh: Mesh, order: int) -> np.ndarray:
     return mesh.MapToAllElements({et: IntegrationRule(et, order) for et in VOLUME_TYPES[mesh.dim]}, VOL)
 
 
-class Facets:
+class Facets(OfBody):
     """Neighbours, measures |e| and diameters h_e of the facets of a mesh.
 
     `ofelements` are the facet numbers of all elements, one element after the other, each in NGSolve's local order; `incidence`

@@ -198,7 +198,7 @@ class Lifting:
 
 def WeakFacets(problem: ContactProblem, facets: Facets) -> tuple[Array, np.ndarray]:
     """(share, rollers) of the facets of E0, for `FacetOperators`: interior facets, Gamma_D and rollers."""
-    share = np.where(facets.neighbours > 1, 0.5, 0.0)
+    share = np.where(facets.interior, 0.5, 0.0)
     share[facets.cut] = 0      # the sides of a joint feel each other by its law alone
     rollers = np.zeros(len(share), dtype=bool)
     for region in problem.roller:

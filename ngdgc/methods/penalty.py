@@ -110,7 +110,7 @@ class ScalarPenalty:
         shear = np.zeros(mesh.ne)
         np.maximum.at(shear, points["nr"], operators.material.ShearAt(points))
         unit = facets.LargestNeighbour(shear) * _Scale(operators)
-        needed = ElementBounds(operators, operators.share / unit, PlainBound).max(initial=0)
+        needed = facets.Largest(ElementBounds(operators, operators.share / unit, PlainBound))
         self.value = MARGIN * needed if value == "auto" else cast(float, value)
         self.kappa = needed / self.value
         self._facets, self._operators, self._weights = facets, operators, self.value * unit
@@ -143,7 +143,7 @@ class ElasticPenalty:
         self._onfacets = facets.measure if value == "auto" else cast(float, value) * _Scale(operators)
         needed = ElementBounds(operators, share / self._onfacets, ElasticBound)
         self._inelements = MARGIN * needed if value == "auto" else np.ones(operators.mesh.ne)
-        self.kappa = 1 / MARGIN if value == "auto" else needed.max(initial=0)
+        self.kappa = 1 / MARGIN if value == "auto" else facets.Largest(needed)
 
     def FacetMatrix(self, patch: FacetPatch) -> Array:
         """<P(mu):[nu]>, (n, r, r)."""

@@ -202,12 +202,13 @@ class LDG(PenalisedRow):
 
 def _NeededLifting(operators: FacetOperators, form: str) -> tuple[int, float]:
     """(largest number of facets of an element, an eta above which the form with eta sum_e (C r_e, r_e) is coercive)."""
-    facets = max(int((operators.share[group.facets] > 0).sum(axis=1).max()) for group in operators.groups)
+    whole = operators.facets
+    facets = int(whole.Largest(np.array([(operators.share[group.facets] > 0).sum(axis=1).max() for group in operators.groups])))
     if form == "lifting" or operators.contains:
         # |r_0|^2 <= N_K sum_e |r_e|^2 on an element with N_K facets in E0.
         return facets, facets
     couplings = [operators.EdgeCoupling(group) for group in operators.groups]
     if any(coupling is None for coupling in couplings):
         return facets, np.inf
-    return facets, max(LargestEigenvalues(cast(Array, coupling), group).max()
-                       for coupling, group in zip(couplings, operators.groups))
+    return facets, whole.Largest(np.array([LargestEigenvalues(cast(Array, coupling), group).max()
+                                           for coupling, group in zip(couplings, operators.groups)]))

@@ -29,6 +29,12 @@ class Quantities:
 
     disc: Any
     gfu: Any
+    ElementImbalance: Any
+
+    @cached_property
+    def worst(self) -> float:
+        """The largest `ElementImbalance` of an element."""
+        return float(np.abs(self.ElementImbalance()).max())
 
     @AsRead
     def Moment(self, region: str, *, point: Sequence[float] | None = None, material: str | None = None) -> Array:

@@ -73,7 +73,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         **_Data(disc.problem), "units": disc.problem.units,
         "method": disc.method.name, "options": repr(disc.method), "order": disc.order, "dimension": disc.mesh.dim,
         "axisymmetric": disc.problem.axisymmetric,
-        "elements": disc.mesh.ne, "dofs": disc.space.ndof, "contact_points": len(solution.weights),
+        "elements": disc.mesh.ne, "dofs": disc.unknowns, "contact_points": len(solution.weights),
         "solver": solution.solver, "inverse": solution.inverse, "converged": solution.converged,
         "iterations": len(solution.history),
         "change": last.change if last else None, "law_residual": last.residual if last else None,
@@ -93,7 +93,7 @@ def Summary(solution: Any) -> dict[str, Any]:
         "global_imbalance": solution.GlobalImbalance(),
     }
     if disc.method.conservative:
-        summary["element_imbalance"] = float(np.abs(solution.ElementImbalance()).max())
+        summary["element_imbalance"] = solution.worst
     return summary
 
 

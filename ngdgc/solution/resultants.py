@@ -16,9 +16,8 @@ from ngsolve import VOL, ElementId, GridFunction, ds, specialcf
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..linear.motions import ProjectedMotions
-from ..mesh.facets import Free, RigidMotionsAt, VolumePoints
+from ..mesh.facets import RigidMotionsAt, VolumePoints
 from ..methods.symbolform import Coefficients
-from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
 from .conformingtractions import AddedForce
 
@@ -64,7 +63,7 @@ def RigidBasis(space: Any) -> Array:
 def Resultants(solution: Any) -> list[Resultant]:
     """The list of `Resultant`s of a solution: supports, tractions, foundations and body force, in the order of the problem."""
     disc, dim = solution.disc, solution.disc.mesh.dim
-    basis = RigidBasis(disc.space)
+    basis = disc.rigidbasis
 
     def Split(modes: Array) -> tuple[Array, Array]:
         # Moments of a ring's forces cancel all around.
@@ -126,10 +125,9 @@ def EquilibriumResidual(disc: DiscreteProblem, vector: Array, traction: Array) -
     A u is a small difference of large numbers, whose round-off, some 10 eps |diag(A) u|, tells nothing.
     """
     elastic, pull = disc.Multiply(vector), disc.contact.Load(traction)
-    diagonal = sp.csr_matrix(disc.matrix.CSR(), shape=disc.matrix.shape).diagonal()
-    free = Free(disc.space)
-    size = max(np.linalg.norm(part[free]) for part in (elastic, disc.load, pull, NEGLIGIBLE * diagonal * vector))
-    return float(np.linalg.norm((elastic - disc.load + pull)[free]) / size) if size else 0.0
+    free = disc.free
+    size = max(disc.Norm(part[free]) for part in (elastic, disc.load, pull, NEGLIGIBLE * disc.diagonal * vector))
+    return disc.Norm((elastic - disc.load + pull)[free]) / size if size else 0.0
 
 
 @ByKeyword
@@ -151,15 +149,20 @@ def ElementImbalance(solution: Any) -> Array:
     elements and on Gamma_D, f_2 on Gamma_F, -k u_h on springs and -t on Gamma_C; relative to the largest contribution of any
     element or to `ElasticForce`.
     """
+    parts = ElementForces(solution)
+    return parts.sum(axis=0).T / max(np.abs(parts).max(), ElasticForce(solution))
+
+
+def ElementForces(solution: Any) -> Array:
+    """Forces and moments on each element, (contributions, modes, elements), of fluxes, loads, springs and contact."""
     disc = solution.disc
     contributions = [*disc.form.Fluxes(solution.gfu).values()]
     contributions += [load for (kind, _), load in disc.loads.items() if kind in LOADS]
     contributions += [-(matrix @ solution.vector) for matrix in disc.springs.values()]
     contributions += [-disc.contact.Load(solution.traction), AddedForce(solution)]
-    basis = RigidBasis(disc.space)[disc.problem.frame.rigid]
+    basis = disc.rigidbasis[disc.problem.frame.rigid]
     owner = np.empty(disc.space.ndof, dtype=int)
     for element in range(disc.mesh.ne):
         owner[list(disc.space.GetDofNrs(ElementId(VOL, element)))] = element
-    parts = np.array([[np.bincount(owner, mode * vector, minlength=disc.mesh.ne) for mode in basis]
-                      for vector in contributions])
-    return parts.sum(axis=0).T / max(np.abs(parts).max(), ElasticForce(solution))
+    return np.array([[np.bincount(owner, mode * vector, minlength=disc.mesh.ne) for mode in basis]
+                     for vector in contributions])

@@ -37,7 +37,7 @@ def NumericalTractions(solution: Any) -> FacetTractions:
     for patch in operators.FacetPatches(named, weak=False):
         inverse = operators.inversemass(patch.sides[0])
         # The first facet function is 1: its products with all of them are a column of the mass.
-        integrals = np.linalg.solve(inverse, np.eye(inverse.shape[1])[:, :1])
+        integrals = np.linalg.solve(inverse, np.eye(inverse.shape[1])[None, :, :1])
         local = values[operators.FacetDofs(patch.facets)].reshape(len(patch.facets), disc.mesh.dim, -1)
         forces[patch.facets] = (local @ integrals)[..., 0]
     return FacetTractions(solution.flux, forces)

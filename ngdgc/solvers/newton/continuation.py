@@ -29,7 +29,7 @@ def RaiseLoad(body: StiffenedBody, record: Record, tol: float) -> Raised:
     setting = body.setting
     state, load, increment = body.Evaluate(setting.graph.At(setting.Rest()), load=0.0), 0.0, FIRST
     disc = setting.disc
-    end = disc.solves + min(WORK, UNKNOWNS / disc.matrix.height)
+    end = disc.solves + min(WORK, UNKNOWNS / disc.unknowns)
     while disc.solves <= end:
         increment = min(increment, 1 - load)
         trial = record.Begin(body.Evaluate(state.point, load=load + increment))

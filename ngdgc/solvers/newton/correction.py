@@ -48,7 +48,7 @@ class CorrectedRun:
     def __init__(self, disc: DiscreteProblem, start: tuple[Array, Array] | None, tol: float) -> None:
         self.disc, self.tol, self.most = disc, tol, MOST
         self.residuals: list[float] = []
-        self.run = NewtonRun(Subspace(disc), start, tol)
+        self.run = NewtonRun((disc.reduce or Subspace)(disc), start, tol)
 
     def Iterates(self) -> Iterator[Equilibrium]:
         subspace, goal = cast(Subspace, self.run.setting.disc), max(FIRST, self.tol)

@@ -1,0 +1,155 @@
+"""Run by test_ranks.py on several ranks: what is spread over them against the same on one, as numbers that rank 0 prints.
+
+mpirun -n 2 python -m mpi4py spread.py rows|solution|together
+"""
+
+import json
+import sys
+from zlib import crc32
+
+import numpy as np
+import scipy.sparse as sp
+from mpi4py import MPI
+from netgen.meshing import Mesh as NetgenMesh
+from ngsolve import BND, CF, Mesh, x
+
+from ngdgc import (LDG, BassiEtAl, BrezziEtAl, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
+                   InteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver)
+from ngdgc.distributed import DistributedMesh
+from ngdgc.distributed.local import LocalFacets
+from ngdgc.mesh.facets import Csr, Facets
+from ngdgc.meshes import BoxMesh, RectangleMesh
+
+COMM = MPI.COMM_WORLD
+METHODS = {f"{method.__name__} {form} {order}": (method(form=form), order)
+           for method in (InteriorPenalty, BassiEtAl, BrezziEtAl, LDG) for form in ("edge", "lifting")
+           for order in ((1, 2) if form == "edge" else (1,))}
+
+
+def Problem(dim, friction=0.3):
+    """A block that is pressed on a curved foundation and pushed along it, softer on one side: all its data vary."""
+    down, push = (0.0,) * (dim - 1) + (-0.03,), (3.0,) + (0.0,) * (dim - 1)
+    foundation = Foundation("bottom", NormalCompliance(1000 * (1 + x)), friction=CoulombFriction(friction * (1 + x)),
+                            gap=0.2 * (x - 0.5) ** 2)
+    return ContactProblem(HookeMaterial(E=1000 * (1 + x), nu=0.3), foundation, dirichlet={"top": CF((0.01, *down[1:]))},
+                          traction={"left": CF(push)}, force={"right": push}, bodyforce=CF(down))
+
+
+def Coarse(dim):
+    return BoxMesh(2) if dim == 3 else RectangleMesh(3)
+
+
+def Whole(local):
+    """On rank 0 the mesh of all ranks, its elements and vertices with the numbers that they have there; else None."""
+    mesh, elements = local.mesh, Facets(local.mesh).vertices
+    names = list(mesh.GetBoundaries())
+    sides = [(side.index, tuple(sorted(int(local.vertices[v.nr]) for v in side.vertices)))
+             for side in mesh.Elements(BND) if side.mat not in ("between ranks", "of another rank")]
+    parts = COMM.gather((local.cells[local.own], local.vertices[elements[local.own]], local.vertices, local.points, sides,
+                         names))
+    if COMM.rank:
+        return None
+    order = np.argsort(np.concatenate([part[0] for part in parts]))
+    cells = np.sort(np.concatenate([part[1] for part in parts])[order], axis=1)
+    points = np.zeros((max(part[2].max() for part in parts) + 1, 3))
+    for part in parts:
+        points[part[2], :local.dim] = part[3]
+    corners = points[cells, :local.dim]
+    volume = np.linalg.det(corners[:, 1:] - corners[:, :1])
+    turned = volume > 0 if local.dim == 3 else volume < 0
+    cells[turned, :2] = cells[turned, 1::-1]
+    whole = NetgenMesh(dim=local.dim)
+    whole.AddPoints(points)
+    longest = max((part[5] for part in parts), key=len)
+    regions = [whole.AddRegion(name, dim=local.dim - 1) for name in longest]
+    body = whole.AddRegion("body", dim=local.dim)
+    for number, region in enumerate(regions):
+        rows = sorted({corner for part in parts for index, corner in part[4] if index == number})
+        if rows:
+            whole.AddElements(dim=local.dim - 1, index=region, data=np.array(rows, dtype=np.int32), base=0)
+    whole.AddElements(dim=local.dim, index=body, data=cells.astype(np.int32), base=0)
+    return Mesh(whole)
+
+
+def Order(dim, elements, functions):
+    """For each entry in the numbering of all ranks its dof in NGSolve's, with these numbers of elements and of functions."""
+    element, component, function = np.indices((elements, dim, functions))
+    return ((component * elements + element) * functions + function).ravel()
+
+
+def Rows(dim):
+    """{method: largest difference of matrix and load to those of one process, relative}, also without halves at cuts."""
+    found, problem = {}, Problem(dim)
+    for name, (method, order) in [*METHODS.items(), ("cut facets as boundary", (InteriorPenalty(), 1))]:
+        inner = LocalFacets.interior
+        if name.startswith("cut"):
+            LocalFacets.interior = Facets.interior
+        disc = Discretization(problem, method, DistributedMesh(Coarse(dim), refine=1), order=order)
+        starts, columns, values = disc.matrix.getValuesCSR()
+        LocalFacets.interior = inner
+        parts, loads = COMM.gather((starts, columns, values)), COMM.gather(disc.load)
+        whole = Whole(disc.numbering.local)
+        if COMM.rank == 0:
+            serial = Discretization(problem, method, whole, order=order)
+            place = Order(dim, whole.ne, disc.numbering.functions)
+            matrix, load = Csr(serial.matrix)[place][:, place], serial.load[place]
+            rows = sp.vstack([sp.csr_matrix((part[2], part[1], part[0]), shape=(len(part[0]) - 1, len(load)))
+                              for part in parts])
+            found[name] = max(abs(rows - matrix).max() / abs(matrix).max(),
+                              np.abs(np.concatenate(loads) - load).max() / np.abs(load).max())
+    return found
+
+
+def Solution(dim):
+    """Differences of displacement, forces, means, energy, zones to those of one process; are arrays the same on all ranks?"""
+    found, problem = {}, Problem(dim)
+    for name in ("InteriorPenalty edge 1", "LDG lifting 1", "BrezziEtAl edge 2"):
+        method, order = METHODS[name]
+        disc = Discretization(problem, method, DistributedMesh(Coarse(dim), refine=1), order=order)
+        solution = disc.Solve()
+        same = len({crc32(part) for part in COMM.allgather(solution.traction.tobytes() + solution.zones.tobytes())}) == 1
+        without = COMM.allgather(len(disc.contact.mine)).count(0)
+        vectors, whole = COMM.gather(solution.vector), Whole(disc.numbering.local)
+        if COMM.rank == 0:
+            serial = SemismoothNewtonSolver(tol=1e-11).Solve(Discretization(problem, method, whole, order=order))
+            u = serial.vector[Order(dim, whole.ne, disc.numbering.functions)]
+            numbers, other = solution.ToJSON(), serial.ToJSON()
+            forces = [solution.Force(region) - serial.Force(region) for region in ("top", "bottom", "left", "right")]
+            found[name] = {
+                "vector": np.abs(np.concatenate(vectors) - u).max() / np.abs(u).max(),
+                "forces": np.abs(forces).max() / np.abs(serial.Force("top")).max(),
+                "mean": np.abs(solution.Mean("left") - serial.Mean("left")).max() / np.abs(u).max(),
+                "energy": abs(solution.energy / serial.energy - 1),
+                "zones": max(abs(numbers["zones"][zone] - other["zones"][zone]) for zone in numbers["zones"]),
+                "resultants": max(np.abs(np.subtract(a["force"] + a["moment"], b["force"] + b["moment"])).max()
+                                  for a, b in zip(numbers["resultants"], other["resultants"])),
+                "balance": max(numbers["global_imbalance"], numbers["element_imbalance"], numbers["equilibrium_residual"]),
+                "kinds": [a["kind"] for a in numbers["resultants"]] == [a["kind"] for a in other["resultants"]],
+                "zones met": sum(size > 0 for size in other["zones"].values()), "same": same, "without contact": without,
+                "report": "worst element" in solution.Report()}
+    return found
+
+
+def Together():
+    """Words of an error that rank 0 finds, on every rank; then one rank fails by itself, and all of them end."""
+    mesh = DistributedMesh(RectangleMesh(2), refine=1)
+    try:
+        Discretization(Problem(2), InteriorPenalty(), mesh, order=1, assembly="skeleton")
+        words = None
+    except ProblemError as error:
+        words = str(error)
+    print("words", words, flush=True)
+    COMM.Barrier()
+    if COMM.rank == 1:
+        raise ValueError("rank 1 has failed")
+    COMM.Barrier()
+
+
+if __name__ == "__main__":
+    what, *dims = sys.argv[1:]
+    if what == "together":
+        Together()
+    else:
+        result = {dim: {"rows": Rows, "solution": Solution}[what](int(dim)) for dim in dims}
+        if COMM.rank == 0:
+            print(json.dumps(result, default=lambda value: value.item()))

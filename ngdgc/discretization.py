@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from inspect import signature
 from typing import Any
 
 from ngsolve import Mesh
@@ -56,6 +57,9 @@ class Discretization(DiscreteProblem):
     def __init__(self, problem: ContactProblem, method: Method, mesh: Mesh, *, order: int = 1, assembly: str = "facet",
                  inverse: str | Inverter = "auto") -> None:
         super().__init__(problem, method, mesh, order=order, assembly=assembly, inverse=inverse)
+
+    # Which `__new__` would hide.
+    __signature__ = signature(__init__).replace(parameters=list(signature(__init__).parameters.values())[1:])
 
     def Solve(self, *, tol: float = 1e-10, coarser: Sequence[Mesh] | None = None,
               callback: Callable[[Step], object] | None = None) -> ContactSolution:

@@ -265,6 +265,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "facets": lambda s: s.disc.facets,
     "space": lambda s: s.disc.space,
     "matrix": lambda s: s.disc.matrix,
+    "FactoriseSum.added": lambda s: s.disc.contact.Stiffness(np.zeros(s.disc.contact.normals.shape + (s.dim,))),
     "load": lambda s: s.disc.load.copy(),
     "vector": lambda s: s.solution.vector.copy(),
     "Response.traction": lambda s: s.solution.traction.copy(),

@@ -10,6 +10,7 @@ from ..contact.graph import SEPARATION, ContactGraph
 from ..contact.stiffness import BodyStiffness
 from ..discrete.divided import OnPieces
 from ..exceptions import ProblemError
+from ..mesh.pieces import Pieces
 from ..mesh.quadrature import ContactRules
 from ..solution.solution import CheckSolution, ContactSolution
 from ..solvers.nested import FromPrediction, LevelOf, Transfer
@@ -58,13 +59,7 @@ def SolveDivided(solution: Any, *, tol: float = 1e-10) -> ContactSolution:
         raise ProblemError("the solution has not converged, and its zones end elsewhere; give one that has")
     solver = SemismoothNewtonSolver(tol=tol)
     with solution.state.Restored():
-        graph, rules = ContactGraph(disc.contact, BodyStiffness(disc)), ContactRules(disc.method, disc.mesh.dim, disc.order)
-        openings = Openings(graph, graph.Coordinates(solution.displacement, solution.traction))
-        # A facet may be in contact beyond its points alone.
-        r = np.where(solution.zones == SEPARATION, solution.penetration.max(), solution.penetration)
-        stiff = disc.contact.boundaryelements[disc.contact.PressureDerivative(r) > graph.scale]
-        found = ZonePieces(disc.facets, disc.contact, openings, rules, disc.pieces)
-        pieces = {number: parts for number, parts in found.items() if number not in stiff}
+        pieces = _Parts(solution)
         if not pieces:
             return solution
         divided = OnPieces(disc, pieces)
@@ -74,3 +69,15 @@ def SolveDivided(solution: Any, *, tol: float = 1e-10) -> ContactSolution:
                             solver=f"SolveDivided(tol={tol:g})")
     again.case = solution.case
     return again
+
+
+def _Parts(solution: ContactSolution) -> Pieces:
+    """The parts of the facets in which contact ends, where the foundation is softer than the body."""
+    disc = solution.disc
+    graph, rules = ContactGraph(disc.contact, BodyStiffness(disc)), ContactRules(disc.method, disc.mesh.dim, disc.order)
+    openings = Openings(graph, graph.Coordinates(solution.displacement, solution.traction))
+    # A facet may be in contact beyond its points alone.
+    r = np.where(solution.zones == SEPARATION, solution.penetration.max(), solution.penetration)
+    stiff = disc.contact.boundaryelements[disc.contact.PressureDerivative(r) > graph.scale]
+    found = ZonePieces(disc.facets, disc.contact, openings, rules, disc.pieces)
+    return {number: parts for number, parts in found.items() if number not in stiff}

@@ -90,7 +90,7 @@ def test_a_case_has_its_own_order_and_says_what_it_should_give(quick, tmp_path, 
 
 
 @pytest.mark.parametrize("arguments, culprit", [
-    (["run", "exmaple_4_1"], "no case 'exmaple_4_1': neither a file nor one of block_on_two_joints, breaking_beam"),
+    (["run", "exmaple_4_1"], "no case 'exmaple_4_1': neither a file nor one of block_on_two_joints, bolt_and_washer"),
     (["run", "cases/missing.py"], "no case 'cases/missing.py'"), (["run", "elsewhere/example_4_1.py"], "no case 'elsewhere"),
     (["run", CASE, "--method", "ipp"], "no method 'ipp'; choose one of ip, bassi, brezzi, ldg, ldg0, nipg, iipg, wopsip, h1"),
     (["run", CASE, "--n", "many"], "'many' is not a positive integer"),

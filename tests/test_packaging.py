@@ -189,9 +189,10 @@ def Brought(requirements, seen):
     return seen
 
 
-def Foreign():
-    """Top-level names that the package imports anywhere; without the peers, whose file any interpreter runs that has them."""
-    for path in [*(ROOT / "ngdgc").rglob("*.py"), *(ROOT / "cases").glob("*.py")]:
+def Foreign(ranks=False):
+    """Top-level names that the storey of ranks, or all others, import; without the peers, which any interpreter runs."""
+    paths = [*(ROOT / "ngdgc").rglob("*.py"), *(ROOT / "cases").glob("*.py")]
+    for path in [path for path in paths if (ROOT / "ngdgc" / "distributed" in path.parents) == ranks]:
         for node in ast.walk(ast.parse(path.read_text())) if path.name != "peers.py" else ():
             if isinstance(node, ast.Import):
                 yield from (alias.name.split(".")[0] for alias in node.names)
@@ -202,6 +203,9 @@ def Foreign():
 def test_requirements_bring_all_that_is_imported():
     providers = metadata.packages_distributions()
     foreign = set(Foreign()) - set(sys.stdlib_module_names) - {"ngdgc"}
+    # What the storey of ranks imports beside is an extra, which is not installed here.
+    extra = {Requirement(line).name for line in metadata.requires("ngdgc") if re.search("extra == .mpi.", line)}
+    assert set(Foreign(ranks=True)) - set(sys.stdlib_module_names) - foreign == extra == {"mpi4py", "petsc4py"}
     required = [line for line in metadata.requires("ngdgc") if "extra ==" not in line]
 
     def Unmet(requirements):

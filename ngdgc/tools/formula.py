@@ -111,7 +111,7 @@ def _Inside(operand: tuple[str, int], level: int) -> str:
 
 
 def Described(self: Any, *names: str) -> str:
-    """A `__repr__` for dataclasses: as they are written, with formulas, without what is None or empty.
+    """A `__repr__` for dataclasses: as they are written, with formulas, without what is None, False or empty.
 
     names : of the attributes that are shown, all fields by default
 
@@ -126,7 +126,7 @@ def Described(self: Any, *names: str) -> str:
 
 
 def _Empty(value: Any) -> bool:
-    return isinstance(value, (Mapping, tuple)) and not value
+    return value is False or isinstance(value, (Mapping, tuple)) and not value
 
 
 def _Value(value: Any) -> str:

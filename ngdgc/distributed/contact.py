@@ -8,7 +8,6 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from ..tools import sparse as sp
 from ngsolve import CoefficientFunction
 
 from ..contact.boundary import ContactBoundary
@@ -16,6 +15,7 @@ from ..contact.parts import ContactPart
 from ..contracts import Array
 from ..mesh.quadrature import ContactRules
 from ..problem.userlaws import UserLaw, Watched
+from ..tools import sparse as sp
 
 SCALARS = ("weights", "gap", "measures", "shear", "depth", "tension")
 

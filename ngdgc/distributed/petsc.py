@@ -6,10 +6,10 @@ from collections.abc import Callable
 from typing import Any, TypeVar
 
 import numpy as np
-from ..tools import sparse as sp
 
 from ..contracts import Array
 from ..exceptions import ProblemError
+from ..tools import sparse as sp
 
 Result = TypeVar("Result")
 

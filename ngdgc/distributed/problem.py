@@ -8,7 +8,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from ..tools import sparse as sp
 
 from ..contracts import Array
 from ..discrete.loads import AreaOf
@@ -17,6 +16,7 @@ from ..exceptions import ProblemError
 from ..linear.equations import LinearEquations
 from ..linear.solenoidal import Swelling
 from ..solvers.newton.solver import SemismoothNewtonSolver
+from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
 from .contact import ReplicatedContact
 from .cycle import CycleInverse, NearNullSpace

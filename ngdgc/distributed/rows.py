@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ..tools import sparse as sp
 from ngsolve import H1, L2, ConvertOperator
 
 from ..contracts import Array
 from ..linear.cycles import Entries
 from ..mesh.facets import Csr
+from ..tools import sparse as sp
 from .local import LocalMesh
 from .petsc import Petsc, Rows
 

@@ -6,10 +6,10 @@ from copy import copy
 from typing import Any
 
 import numpy as np
-from ..tools import sparse as sp
 
 from ..contracts import Array
 from ..linear.equations import LinearEquations
+from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
 from .cycle import FactorsInverse
 from .petsc import Petsc, Rows

@@ -12,6 +12,7 @@ from matplotlib.patches import Patch
 
 from ..contact.graph import ZONES
 from ..contracts import Array
+from ..mesh.pieces import Cut
 from ..solution.solution import ContactSolution
 from .canvas import ZONE_COLOURS
 from .regions import BoundaryFunction
@@ -84,20 +85,9 @@ def Cells(polygon: Array, points: Array) -> list[Array]:
     for point in points:
         cell = polygon
         for other in points[np.any(points != point, axis=1)]:
-            cell = _HalfPlane(cell, other - point, (point + other) / 2)
+            cell = Cut(cell, (cell - (point + other) / 2) @ (point - other))[0]
         cells.append(cell)
     return cells
-
-
-def _HalfPlane(polygon: Array, normal: Array, origin: Array) -> Array:
-    """The part of a convex polygon where (x - origin).normal <= 0."""
-    height, corners = (polygon - origin) @ normal, []
-    for a, b, low, high in zip(polygon, np.roll(polygon, -1, axis=0), height, np.roll(height, -1)):
-        if low <= 0:
-            corners.append(a)
-        if low * high < 0:
-            corners.append(a + low / (low - high) * (b - a))
-    return np.array(corners).reshape(-1, 2)
 
 
 def TangentFrame(normal: Array) -> tuple[Array, Array]:

@@ -11,6 +11,7 @@ from ..contact.boundary import ContactBoundary
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..mesh.facets import TYPES, Facets
+from ..mesh.pieces import Area
 from ..mesh.quadrature import BoundaryQuadrature, ContactRules
 from ..problem.foundation import Foundation
 
@@ -74,7 +75,7 @@ def _Diagram(domain: Array, points: Array, heights: Array) -> tuple[list[Array],
                 slope[i, i] += rate
                 slope[i, j] -= rate
         cells.append(polygon)
-    return cells, np.array([_Area(cell) for cell in cells]), slope
+    return cells, np.array([Area(cell) for cell in cells]), slope
 
 
 def _Clipped(polygon: Array, labels: Any, normal: Array, offset: float, label: int) -> tuple[Array, Any]:
@@ -93,11 +94,6 @@ def _Clipped(polygon: Array, labels: Any, normal: Array, offset: float, label: i
             kept.append(polygon[k] + share * (polygon[after] - polygon[k]))
             names.append(label if over[k] <= 0 else labels[k])
     return np.array(kept).reshape(-1, 2), np.array(names, dtype=int)
-
-
-def _Area(polygon: Array) -> float:
-    a, b = polygon.T
-    return float(a @ np.roll(b, -1) - b @ np.roll(a, -1)) / 2 if len(polygon) else 0.0
 
 
 class ContactCells:

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -85,6 +86,7 @@ def test_every_object_says_what_it_is(solution):
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, dirichlet={"top": (0, -0.1)}, bodyforce=(0, -1))
     assert repr(problem) == (f"ContactProblem(material=HookeMaterial(E=1000, nu=0.3, plane='strain'), "
                              f"foundation=({foundation!r},), " "dirichlet={'top': (0, -0.1)}, bodyforce=(0, -1))")
+    assert repr(replace(problem, axisymmetric=True)) == f"{repr(problem)[:-1]}, axisymmetric=True)"
     written = [HookeMaterial(mu=1, lam=2), HookeMaterial(E=5, nu=0.25, plane="stress"), PowerFriction(2, 0.5),
                TrescaFriction(1),
                AnisotropicMaterial([[3, 1, 0], [1, 3, 0], [0, 0, 1]]), NormalCompliance(3, 0.5), CoulombFriction(0.3),

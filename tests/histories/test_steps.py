@@ -1,5 +1,7 @@
 """Increments that are halved because they change too much: where there is wear, and where zones change."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from ngsolve import CF, Parameter
@@ -7,6 +9,7 @@ from problems import Along
 
 from ngdgc import (LDG, ArchardWear, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, NormalCompliance, SolveHistory)
+from ngdgc.contact.graph import SEPARATION, SLIP, STICK
 from ngdgc.histories import solve
 from ngdgc.histories.increments import Increments
 from ngdgc.histories.steps import _ZoneChange
@@ -65,3 +68,14 @@ def test_increments_that_change_too_many_zones_are_halved_and_the_balance_is_tha
     # Control: without it all zones change in the first of two increments, and friction takes another work.
     coarse, first = Dragged([1, 2, 3], monkeypatch)
     assert first[0][1] > 0.4 and abs(coarse.dissipation[-1] - fine.dissipation[-1]) > 1e-3 * fine.dissipation[-1]
+
+
+def test_the_change_of_zones_counts_points_in_contact_alone():
+    """By weights: here one of the three that touch before or after, of weight 2, of 5; those that never do count nothing."""
+    def At(*zones):
+        contact = SimpleNamespace(weights=np.array([1.0, 2, 2, 40, 50]))
+        return SimpleNamespace(disc=SimpleNamespace(contact=contact), law=SimpleNamespace(zones=np.array(zones)))
+
+    before, after = At(SLIP, STICK, STICK, SEPARATION, SEPARATION), At(SLIP, STICK, SLIP, SEPARATION, SEPARATION)
+    assert _ZoneChange(before, after) == pytest.approx(2 / 5)
+    assert _ZoneChange(At(*5 * [SEPARATION]), At(*5 * [SEPARATION])) == 0

@@ -24,11 +24,11 @@ from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
 from ..discrete.response import Apply, ContactResponse
 from ..solvers.newton.setting import Setting
+from ..solvers.newton.stiffened import NEAR
 from .known import KnownResponse
 from .loading import Loading, Instant
 from .spanned import SpannedLoads
 
-NEAR = 0.35         # S at one point, in units of 1/gamma, as in `solvers.newton.stiffened`
 DIRECTIONS = 200    # new ones in an increment, after which it has failed
 STEPS = 40          # of Newton's method with S_V
 HALVINGS = 8        # of one of them

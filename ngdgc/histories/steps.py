@@ -9,9 +9,9 @@ import numpy as np
 from ..contact.graph import SEPARATION
 from ..contact.stiffness import BodyStiffness
 from ..contracts import Array
+from ..solvers.newton.stiffened import NEAR
 from .loading import Instant
 
-NEAR = 0.35     # S at one point, in units of 1/gamma, as in `increments`
 WORN = 0.2      # of what would take the pressure of a point away is worn off in an increment at most
 LESS = 0.9      # Half of an increment must change less than this part of what the whole has, else halving does not help.
 

@@ -8,8 +8,8 @@ os.environ.update(NGS_NUM_THREADS="1", OMP_NUM_THREADS="1", OPENBLAS_NUM_THREADS
 import pytest
 from ngsolve import x
 from problems import METHODS, TEN, Pressed
-from running import (pytest_collection_modifyitems, pytest_runtest_logstart, pytest_runtest_makereport,  # noqa: F401  hooks
-                     pytest_terminal_summary, pytest_xdist_auto_num_workers)
+from running import (pytest_collection_finish, pytest_collection_modifyitems, pytest_configure,  # noqa: F401  hooks
+                     pytest_runtest_logstart, pytest_runtest_makereport, pytest_terminal_summary, pytest_xdist_auto_num_workers)
 
 from ngdgc import LDG, CoulombFriction, Foundation, NormalCompliance, TrescaFriction, export
 from ngdgc.cases import example_4_2

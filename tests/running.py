@@ -5,6 +5,7 @@ A test that takes more than a second of CPU time, all its cases and the fixtures
 named.
 """
 
+import gc
 import os
 from collections import Counter
 
@@ -23,6 +24,16 @@ def pytest_xdist_auto_num_workers(config):
 
 def Processors():
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+
+
+def pytest_configure():
+    # Each time that there are a few more tests it would look at all of them for garbage, half of the time of a collection.
+    gc.disable()
+
+
+def pytest_collection_finish():
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_collection_modifyitems(items):

@@ -103,16 +103,31 @@ def test_notebooks_say_what_they_are_for_how_long_they_take_and_what_comes_next(
     assert Missing(notebook) == ["what comes before", "minutes", "try next"]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
-def test_notebooks_run_without_errors_and_show_pictures(path, tmp_path):
+@pytest.fixture(scope="module")
+def run(tmp_path_factory):
+    """Runs a notebook, begun without a name; all of them in one kernel, for it takes seconds to import what they need."""
     nbformat = pytest.importorskip("nbformat")
     from nbclient import NotebookClient
 
+    client = NotebookClient(nbformat.v4.new_notebook(), timeout=600)
+    with client.setup_kernel(cwd=str(tmp_path_factory.mktemp("notebooks"))):
+        def Run(notebook):
+            """Seconds of CPU time that its cells take."""
+            first, last = (nbformat.v4.new_code_cell(f"{before}import time\nprint(time.process_time())")
+                           for before in ("%reset -f\n", ""))
+            client.nb = nbformat.v4.new_notebook(cells=[first, *notebook.cells, last])
+            client.execute(cleanup_kc=False)
+            return float(last.outputs[-1].text) - float(first.outputs[-1].text)
+        yield Run
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebooks_run_without_errors_and_show_pictures(path, run):
+    import nbformat
+
     notebook = nbformat.read(path, as_version=4)
-    clock = nbformat.v4.new_code_cell("import time\nprint('CPU', time.process_time())")
-    notebook.cells.append(clock)
-    NotebookClient(notebook, timeout=600, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    assert run(notebook) < SECONDS
     outputs = [output for cell in notebook.cells for output in cell.get("outputs", [])]
     kinds = [kind for output in outputs for kind in output.get("data", {})]
     verdicts = [output["data"]["text/plain"] for cell in notebook.cells if "answer" in cell.metadata.get("tags", ())
@@ -122,18 +137,18 @@ def test_notebooks_run_without_errors_and_show_pictures(path, tmp_path):
     assert len(verdicts) == len(Cells(path, tag="answer"))
     assert all("not answered yet" in verdict for verdict in verdicts)
     assert not any(output.get("name") == "stderr" and "Warning" in output.text for output in outputs)
-    assert float(clock.outputs[-1].text.split()[1]) < SECONDS
 
 
 @pytest.mark.slow
-def test_a_notebook_with_an_error_does_not_pass():
-    nbformat = pytest.importorskip("nbformat")
-    from nbclient import NotebookClient
+@pytest.mark.parametrize("code, words", [("from ngdgc import NoSuchLaw", "NoSuchLaw"), ("left", "name 'left' is not defined")])
+def test_a_notebook_with_an_error_does_not_pass(code, words, run):
+    """Nor one that needs a name of another."""
+    import nbformat
     from nbclient.exceptions import CellExecutionError
 
-    notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("from ngdgc import NoSuchLaw")])
-    with pytest.raises(CellExecutionError, match="NoSuchLaw"):
-        NotebookClient(notebook, timeout=100).execute()
+    run(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell("left = 1\nleft")]))
+    with pytest.raises(CellExecutionError, match=words):
+        run(nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(code)]))
 
 
 @pytest.mark.slow

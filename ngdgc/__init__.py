@@ -23,6 +23,7 @@ from .problem.laws import (ArchardWear, ComplianceLaw, CoulombFriction, Friction
                            SlipWeakeningFriction, TrescaFriction)
 from .problem.materials import AnisotropicMaterial, HookeMaterial
 from .problem.problem import ContactProblem
+from .problem.punch import RigidPunch
 from .solution.solution import ContactSolution
 from .solvers import Contraction, EstimateContraction, MultiStart, NestedNewtonSolver, SemismoothNewtonSolver, UzawaSolver
 from .theory.uniqueness import CheckUniqueness
@@ -36,6 +37,6 @@ __all__ = ["AnisotropicMaterial", "ArchardWear", "BassiEtAl", "BrezziEtAl", "Che
            "EstimateContraction", "EstimateError", "EstimateForce", "EstimateZones", "Foundation", "FrictionLaw",
            "HookeMaterial", "IncompleteInteriorPenalty", "InteriorPenalty", "Joint", "LDG", "Lifting", "LoadHistory",
            "MultiStart", "NestedNewtonSolver", "NonsymmetricInteriorPenalty", "NormalCompliance", "NotConvergedError",
-           "PenaltyFreeLDG", "PowerFriction", "ProblemError", "SemismoothNewtonSolver", "SlipWeakeningFriction", "Solve",
-           "SolveAdaptive", "SolveDivided", "SolveHistory", "SolveInterrupted", "TrescaFriction", "UzawaSolver",
+           "PenaltyFreeLDG", "PowerFriction", "ProblemError", "RigidPunch", "SemismoothNewtonSolver", "SlipWeakeningFriction",
+           "Solve", "SolveAdaptive", "SolveDivided", "SolveHistory", "SolveInterrupted", "TrescaFriction", "UzawaSolver",
            "WeaklyOverPenalised"]

@@ -22,6 +22,7 @@ from ..problem.problem import ContactProblem
 from ..tools import sparse as sp
 from .directions import LawNormals, Unit
 from .parts import CheckFinite, ContactPart, OverParts
+from .punches import Punches
 from .sides import Faces
 
 SAME = 1e-12        # squared relative distance of two traces that is round-off
@@ -55,11 +56,17 @@ class ContactBoundary:
     shear : shear modulus inside (n,) [stress]
     flexibility : extent of Gamma_C over the smallest shear modulus there [length/stress]
     parts : list of `ContactPart`, one for each foundation, in the order of the points
-    origin : u_t of the state from which slip counts (n, d) [length]; None: the undeformed body
-    path, worn : (n,), path of the slip up to there, and depth worn off, by which `gap` is more than `given` [length]
+    origin : u_t from which slip counts (n, d) [length], that of the state before and of rigid punches; None: 0
+    path, worn : (n,), path of the slip up to the state before, and depth worn off [length]
+    punches : the `Punches`, or None;  moved : how far they have moved (n, d) [length], of which `found` is not prescribed;
+        gap : `given` + worn + moved.N
     """
 
     origin: Array | None = None
+    before: Array | None = None     # u_t of the state before, relative to the punches
+    punches: Punches | None = None
+    moved: Array | float = 0.0
+    found: Array | float = 0.0
 
     def __init__(self, problem: ContactProblem, facets: Facets, space: FESpace, scalar: FESpace, rules: Any,
                  pieces: Pieces | None = None) -> None:
@@ -101,6 +108,7 @@ class ContactBoundary:
             self.parts.append(ContactPart.On(foundation, here, points[here], region))
         self.depth, self.tension = (np.concatenate([getattr(part.bond, name) if part.bond else np.zeros(np.sum(owner == place))
                                                     for place, part in enumerate(self.parts)]) for name in ("depth", "tension"))
+        self.punches = Punches.Of(self.parts, self.coordinates, points, facets.mesh, facets.frame)
 
     @property
     def wears(self) -> bool:
@@ -120,17 +128,41 @@ class ContactBoundary:
     def After(self, displacement: Array | None, path: Array | None = None, worn: Array | None = None) -> ContactBoundary:
         """The same with slip that counts from a displacement of the points, (n, d), or None: the undeformed body.
 
-        path, worn : (n,) as the attributes, None: 0
+        path, worn : (n,) as the attributes, None: 0.  Displacements are relative to rigid punches, which are where they were
+        prescribed to be.
         """
         for array, shape in ((displacement, self.normals.shape), (path, self.gap.shape), (worn, self.gap.shape)):
             if array is not None and np.shape(array) != shape:
                 raise ProblemError(f"a state to begin with has shape {np.shape(array)}, and this Gamma_C {shape}; give arrays "
                                    "of a state at these contact points, such as solution.displacement")
         other = copy(self)
-        other.origin = None if displacement is None else self.Tangential(displacement)
+        other.before = None if displacement is None else self.Tangential(displacement)
         other.path, other.worn = (np.zeros_like(self.given) if array is None else array for array in (path, worn))
         other.parts = [part.After(other.path[part.points]) for part in self.parts]
-        other.gap = self.given + other.worn
+        return other.Moved(None)
+
+    def Moved(self, motion: Array | None) -> ContactBoundary:
+        """The same with rigid punches moved by `motion` (m,), in units of `punches`; None: where they were prescribed to be."""
+        other = copy(self)
+        other.found = 0.0
+        other.gap, other.origin = self.given + self.worn, self.before
+        if self.punches is not None:
+            other.moved = moved = self.punches.placed
+            if motion is not None:
+                other.found = np.einsum("m,mnd->nd", motion, self.punches.traces)
+                other.moved = moved = moved + other.found
+            other.gap = other.gap + self.Normal(moved)
+            other.origin = self.Tangential(moved) if self.before is None else self.before + self.Tangential(moved)
+        return other
+
+    def WithPunches(self) -> ContactBoundary:
+        """The same points and laws for body and punches: displacements are those relative to what has yet to be found of M.
+
+        Coefficients are (u, c), those of the body and m motions in units of `punches`.
+        """
+        other = self.Moved(None)
+        if self.punches is not None:
+            other.trace = sp.hstack([self.trace, -self.punches.traces.reshape(self.punches.count, -1).T], format="csr")
         return other
 
     def Displacement(self, vector: Array) -> Array:

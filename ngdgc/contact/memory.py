@@ -15,7 +15,8 @@ from .parts import ContactPart, OverParts
 class Memory(NamedTuple):
     """The arguments of `ContactBoundary.After`.
 
-    displacement : u at the points (n, d);  path : sum of |change of u_t| over the increments that ended in slip (n,) [length]
+    displacement : u at the points, relative to rigid punches (n, d)
+    path : sum of |change of u_t| over the increments that ended in slip (n,) [length]
     worn : depth worn off (n,) [length]
     """
 
@@ -29,4 +30,4 @@ class Memory(NamedTuple):
         rubbed = (law.zones == SLIP) | (law.zones == SEPARATION) & np.any(law.friction != 0, axis=1)
         slip = np.where(rubbed, contact.Slip(displacement), 0)
         depth = OverParts(contact.parts, ContactPart.Depth, law.pressure, slip)
-        return cls(displacement, contact.path + slip, contact.worn + depth)
+        return cls(displacement - contact.moved, contact.path + slip, contact.worn + depth)

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 from ngsolve import CoefficientFunction, Mesh
 
-from ..contact.memory import Memory
 from ..contracts import Array, FluxForm, Form, Inverse, Inverter, Method, Missing
 from ..exceptions import ProblemError
 from ..linear.choice import CheckInverter, Chosen
@@ -28,13 +27,14 @@ from .checks import CheckData, CheckJoints, CheckKinds, CheckMatrix, CheckMesh, 
 from .divided import ContactOf
 from .frozen import Frozen, OfMatrix, Twin
 from .loads import GivenTractions, Loads, StrongValues
+from .placed import Placed
 from .restraints import Restraints
 from .springs import SpringMatrices
 from .state import State
 
 
 @ByKeyword
-class DiscreteProblem(LinearEquations):
+class DiscreteProblem(LinearEquations, Placed):
     """The discrete problem A u = f - T' W t, t = law(T u), of a method of order k >= 1 on a mesh.
 
     It is described here and by `Add`.  What follows from that (`Frozen`) is computed once, when it is asked for, and belongs to
@@ -45,7 +45,6 @@ class DiscreteProblem(LinearEquations):
     Attributes
     ----------
     given : the mesh that was given;  mesh : the same, or of continuous methods one whose nodes are doubled along joints
-    memory : `Memory` of the states before;  origin : displacement of the contact points from which slip counts (n, d), or None
     pieces : of the boundary elements on Gamma_C whose quadrature is divided, {number: parts} as `pieces.Pieces`
     derived : {name: value} of what is frozen, if it was asked for;  elastic : the same for what follows from the matrix alone,
         which copies with other loads share
@@ -71,7 +70,6 @@ class DiscreteProblem(LinearEquations):
         self.space = method.Space(self.mesh, self.order, "|".join(problem.dirichlet))
         self.derived: dict[str, Any] = {}
         self.elastic: dict[str, Any] = {}
-        self.memory = Memory()
         self.pieces: Pieces = {}
         self._Read()
         self.added = AddedForms(self.space, self.facets)
@@ -92,23 +90,13 @@ class DiscreteProblem(LinearEquations):
         self.state.CheckFixed()
         changed, added = self.state.Parameters(), self.added.Current()
         if not changed and added is self.added:
-            return self
+            return self.Moved(None)
         current = Twin(self)
+        current.motion = None
         same = added.SameMatrix(self.added) and not any(name.startswith(("material", "spring")) for name in changed)
         current.derived, current.elastic, current.added = {}, self.elastic if same else {}, added
         current._Read()
         return current
-
-    def After(self, origin: Array | None, slid: Array | None = None, worn: Array | None = None) -> DiscreteProblem:
-        """The same problem after a state with this `Memory`: displacement of the contact points (n, d), path and worn (n,)."""
-        other = Twin(self)
-        other.memory = Memory(origin, slid, worn)
-        other.contact = self.contact.After(*other.memory)
-        return other
-
-    @property
-    def origin(self) -> Array | None:
-        return self.memory.displacement
 
     def __repr__(self) -> str:
         return (f"Discretization({self.method.name}, order {self.order}, {self.mesh.ne} elements, "

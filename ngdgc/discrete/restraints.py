@@ -10,6 +10,7 @@ from ngsolve import CF, FESpace, GridFunction, L2
 
 from ..contact.boundary import ContactBoundary
 from ..contact.parts import ContactPart, OverParts
+from ..contact.punches import Punches
 from ..contracts import Array
 from ..exceptions import ProblemError
 from ..mesh.facets import Facets, Projected, RigidMotions, RigidMotionsAt
@@ -18,6 +19,7 @@ from ..problem.problem import ContactProblem
 from ..tools import sparse as sp
 
 SOFT = 1e-3         # stiffness of Gamma_C, relative to that of the body, that holds it while its coercivity is looked at
+FREE = 1e-6         # of a motion, that is the part of a punch
 NOTHING = 1e-12     # of the energy of a motion, relative to the sizes of its terms
 ORDER = 4           # of the quadrature on supports
 DEPTHS = 10.0 ** np.arange(-6, 1)   # penetrations at which a foundation may resist, in units of the extent of the body
@@ -31,7 +33,8 @@ class Restraints:
     Attributes
     ----------
     loose : words for the motions that neither dirichlet nor roller resist, or None
-    unresisted : words for those that springs and added forms do not resist either, so that only contact does, or None
+    unresisted : words for those that springs and added forms do not resist either, and for the motions of rigid punches that
+        forces press: only contact does, or None
     """
 
     def __init__(self, problem: ContactProblem, facets: Facets, contact: ContactBoundary, space: FESpace,
@@ -41,7 +44,7 @@ class Restraints:
         self._springs = np.zeros_like(self._supports)
         if added is not None:
             springs = Springs(facets, space, added)
-            self._springs = Together(springs) if np.any(contact.joined) else springs
+            self._springs = Together(springs) if _Coupled(contact) else springs
 
     @cached_property
     def loose(self) -> str | None:
@@ -49,7 +52,9 @@ class Restraints:
 
     @cached_property
     def unresisted(self) -> str | None:
-        return self.loose and FreeMotion(self.facets, self._supports, self._springs)
+        body = self.loose and FreeMotion(self.facets, self._supports, self._springs)
+        punches = self.contact.punches.Words() if self.contact.punches is not None else []
+        return " and ".join(filter(None, [body, *punches])) or None
 
     @property
     def soft(self) -> sp.csr_matrix | None:
@@ -62,7 +67,15 @@ class Restraints:
 
     def Check(self) -> None:
         """Raise ProblemError for a body with a rigid motion that nothing resists."""
-        if free := self.unresisted and FreeMotion(self.facets, self._supports, self._springs, self._foundations):
+        if not self.unresisted:
+            return
+        resistances = self._supports, self._springs, self._foundations
+        if self.contact.punches is not None and (free := FreePunch(self.contact.punches, *resistances)):
+            raise ProblemError(f"nothing resists the {free}: a punch without friction, or on a body that floats with it, goes "
+                               "off under the smallest force; hold it, with None in that place of its force or moment, give "
+                               "the foundation friction, or hold the body with dirichlet or roller")
+        bodies = slice(self._supports.shape[1])
+        if free := FreeMotion(self.facets, *(grams[:, bodies, bodies] for grams in resistances)):
             raise ProblemError(f"the body floats: nothing resists {free}, neither dirichlet nor roller nor a foundation with a "
                                "stiffness nor a spring nor an added form; hold it with dirichlet or roller")
 
@@ -72,6 +85,7 @@ def Supports(problem: ContactProblem, facets: Facets, contact: ContactBoundary) 
 
     A motion is resisted where the displacement it causes is prescribed, on all components or on the normal one; a
     foundation resists normal motion where its pressure at some depth is positive, and tangential motion where friction is.
+    With joints or rigid punches these are one matrix of all parts, the second one with the punches' motions (m,) at its end.
     """
     parts, modes = facets.component.max() + 1, _Modes(facets)
     held, touched = np.zeros((2, parts, modes, modes))
@@ -83,15 +97,36 @@ def Supports(problem: ContactProblem, facets: Facets, contact: ContactBoundary) 
                 motions = np.einsum("cmnd,nd->cmn", motions, quadrature.normals)[..., None]
             held += np.einsum("camd,cbmd,m->cab", motions, motions, quadrature.weights)
     motions = _CentredMotions(facets, contact.coordinates, contact.inside["nr"])
-    if np.any(contact.joined):      # a joint resists what its two sides do apart, over the motions of all parts at once
-        motions -= contact.joined[:, None] * _CentredMotions(facets, contact.coordinates, contact.beyond["nr"])
-        held, touched = Together(held), np.zeros((1, parts * modes, parts * modes))
+    if _Coupled(contact):       # joints and punches resist what two sides do apart, over the motions of all parts at once
+        if np.any(contact.joined):
+            motions -= contact.joined[:, None] * _CentredMotions(facets, contact.coordinates, contact.beyond["nr"])
         motions = motions.reshape(1, parts * modes, *motions.shape[2:])
+        if contact.punches is not None:
+            motions = np.concatenate([motions, -contact.punches.traces[None]], axis=1)
+        held, touched = Together(held), np.zeros((1, motions.shape[1], motions.shape[1]))
     across = np.einsum("cmnd,nd->cmn", motions, contact.normals)[..., None]
     along = motions - across * contact.normals
     for resisted, resists in zip((across, along), _Resistance(facets, contact)):
         touched += np.einsum("camd,cbmd,m->cab", resisted, resisted, contact.weights * resists)
     return held, touched
+
+
+def _Coupled(contact: ContactBoundary) -> bool:
+    """Do joints or punches let one part move with another, or with a foundation?"""
+    return bool(np.any(contact.joined)) or contact.punches is not None
+
+
+def FreePunch(punches: Punches, *resistances: Array) -> str | None:
+    """Words for the motion of a punch that nothing of (1, modes, modes) resists, of bodies or of these and punches, or None."""
+    size = resistances[-1].shape[1]
+    total = np.zeros((size, size))
+    for (gram,) in resistances:
+        total[:len(gram), :len(gram)] += gram / (np.trace(gram) or 1)
+    for vector in _Null(total):
+        alone = np.abs(vector[size - punches.count:])
+        if alone.max(initial=0) > FREE:
+            return punches.Words()[int(np.argmax(alone))]
+    return None
 
 
 def Together(grams: Array) -> Array:

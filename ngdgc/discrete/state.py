@@ -56,6 +56,8 @@ def Data(problem: ContactProblem) -> Iterator[tuple[str, Any]]:
         yield f"{where}: gap", foundation.gap
         yield f"{where}: tension", foundation.tension
         yield f"{where}: normal", foundation.normal
+        if foundation.punch is not None:
+            yield from ((f"{where}: {name}", value) for name, value in foundation.punch.Data())
         for role in ROLES:
             law = getattr(foundation, role)
             yield from ((f"{where}: {name} of {role}", value) for name, value in getattr(law, "__dict__", {}).items())

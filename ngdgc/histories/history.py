@@ -33,6 +33,7 @@ class LoadHistory:
     energy : (m,), elastic energy of the body, with what the penalties of its jumps store, and energy of springs and foundations
     dissipation : (m,), cumulated -int sigma_t.(change of u_t), with sigma_t at the end of each increment
     displacement, traction : (m, n, d), u and t at the contact points [length], [stress]
+    punches : {region: (m, modes)}, displacements and rotations of rigid punches [length], [1]
     increments : list of `Increment`, what each has cost
 
     path, worn : (m, n), sum of |change of u_t| over the increments that ended in slip, and the depth worn off [length]
@@ -127,6 +128,13 @@ class LoadHistory:
         contact, traction = self.disc.contact, self.traction
         return {part.foundation.boundary: -np.einsum("n,mnd->md", contact.weights[part.points], traction[:, part.points])
                 for part in contact.parts}
+
+    @property
+    def punches(self) -> dict[str, Array]:
+        if (punches := self.disc.contact.punches) is None:
+            return {}
+        motions = np.array([state.punches for state in self.states]).reshape(len(self), *punches.motions.shape)
+        return {region: motions[:, place] for place, region in enumerate(punches.regions)}
 
     @property
     def increments(self) -> list[Increment]:

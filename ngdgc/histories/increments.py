@@ -22,6 +22,7 @@ import numpy as np
 from ..contact.graph import ContactGraph, GraphPoint, Scales
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
+from ..discrete.punched import Equations
 from ..discrete.response import Apply, ContactResponse
 from ..solvers.newton.setting import Setting
 from ..solvers.newton.stiffened import NEAR
@@ -53,8 +54,8 @@ class _Found:
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class _First:
-    """u, t and b of the state from which all changes are counted: what is not known of S_D does not add up."""
+class _Pair:
+    """u, t and b of a state, u without the motions of punches that were found."""
 
     displacement: Array
     traction: Array
@@ -69,29 +70,31 @@ class Increments:
 
     def __init__(self, moment: Instant, tol: float) -> None:
         disc, self.tol = moment.disc, tol
-        setting = Setting.Of(disc)
+        equations = Equations(disc)
+        setting, displacement = Setting.Of(equations), moment.displacement - disc.contact.found
         self.scale = setting.scale
-        point = setting.graph.At(setting.graph.Coordinates(moment.displacement, moment.traction))
+        point = setting.graph.At(setting.graph.Coordinates(displacement, moment.traction))
         self.stiffness = setting.Stiffness(point)
-        self.response = ContactResponse(disc, self.stiffness)
+        self.response = ContactResponse(equations, self.stiffness)
         dim = disc.contact.dim
         blocks = cast(Array, np.linalg.inv(self.stiffness + (self.scale / NEAR)[:, None, None] * np.eye(dim)))
         self.known = KnownResponse(lambda s: self.response.Product(s), disc.contact.weights, blocks)
-        self.known.Learn(moment.traction - Apply(self.stiffness, moment.displacement))
+        self.known.Learn(moment.traction - Apply(self.stiffness, displacement))
         self.loads = SpannedLoads(lambda load: self.response.Solve(load))
-        self.moment = self._Moment(disc, moment.loading, moment, moment.residual)
-        self.free = self._Free(disc, moment.loading)[0]
-        self.first = _First(displacement=moment.displacement, traction=moment.traction, free=self.free)
-        self.last = self.moment, self.free
+        # What is not known of S_D does not add up if all changes are counted from the first state.
+        self.first = self.pair = _Pair(displacement=displacement, traction=moment.traction,
+                                       free=self._Free(moment.loading)[0])
+        self.moment = self._Moment(disc, moment.loading, self.pair, moment.residual)
+        self.last = self.moment, self.pair
         self.left = WORK
         self.unsure = 1.0       # how far S_V has been off, relative
 
     def Next(self, disc: DiscreteProblem) -> Instant | None:
         """The state under the data of now, slip counted from the last one, or None if that was not found."""
-        contact, self.response = disc.contact, self.response.Moved(disc)
+        self.response = self.response.Moved(Equations(disc))
         loading = Loading.Of(disc)
-        graph, free = ContactGraph(contact, self.scale), self._Free(disc, loading)[0]
-        q = graph.Coordinates(self.moment.displacement, self.moment.traction)
+        graph, free = ContactGraph(self.response.contact, self.scale), self._Free(loading)[0]
+        q = graph.Coordinates(self.pair.displacement, self.pair.traction)
         self.left = WORK
         for _ in range(DIRECTIONS):
             found = self._Newton(graph, q, free)
@@ -111,13 +114,14 @@ class Increments:
             q, self.unsure = found.point.q, max(self.known.Learn(outside), 0.5 * self.unsure)
         else:
             return None
-        self.last = self.moment, self.free
-        self.moment, self.free = self._Moment(disc, loading, found.point, self._Error(found)), free
+        error, self.last = self._Error(found), (self.moment, self.pair)
+        self.pair = _Pair(displacement=found.point.displacement, traction=found.point.traction, free=free)
+        self.moment = self._Moment(disc, loading, self.pair, error)
         return self.moment
 
     def Back(self) -> None:
         """Take the last `Next` back."""
-        self.moment, self.free = self.last
+        self.moment, self.pair = self.last
 
     def _Negligible(self, outside: Array, point: GraphPoint) -> bool:
         """Is what S_D may do to a part of s of which it is not known below the tolerance?"""
@@ -129,8 +133,7 @@ class Increments:
 
     def _Relative(self, change: Array, point: GraphPoint) -> float:
         """A change of the displacement, and what it does to the traction, relative to these now or in the last state."""
-        contact, last = self.moment.disc.contact, self.moment
-        (u, t), (v, s) = (Scales(contact, pair.displacement, pair.traction) for pair in (point, last))
+        (u, t), (v, s) = (Scales(self.response.contact, at.displacement, at.traction) for at in (point, self.pair))
         pull = Apply(np.abs(self.stiffness), np.abs(change))
         return float(max(np.abs(change).max(initial=0) / max(u, v), pull.max(initial=0) / max(t, s)))
 
@@ -138,34 +141,37 @@ class Increments:
         """How far the point of the graph is from equilibrium, relative."""
         return self._Relative(found.F, found.point) + self._Unknown(self.known.Outside(found.s), found.point)
 
-    def _Free(self, disc: DiscreteProblem, loading: Loading) -> tuple[Array, Array]:
-        """(b at the contact points (n, d), its coefficients (ndof,)): the response to the loads alone."""
-        contact, load = disc.contact, loading.load
+    def _Free(self, loading: Loading) -> tuple[Array, Array]:
+        """(b at the contact points (n, d), its coefficients (ndof + m,)): the response to the loads alone."""
+        contact, still = self.response.contact, np.zeros(len(loading.pressed))
+        load, lift = np.append(loading.load, loading.pressed), None
         if loading.lift is not None and loading.pull is not None:
-            load = load - loading.pull - contact.Load(Apply(self.stiffness, contact.Displacement(loading.lift)))
+            lift = np.append(loading.lift, still)
+            load = load - np.append(loading.pull, still) - contact.Load(Apply(self.stiffness, contact.Displacement(lift)))
         vector = self.loads.Response(load)
-        if loading.lift is not None:
-            vector = vector + loading.lift
+        if lift is not None:
+            vector = vector + lift
         return contact.Displacement(vector), vector
 
-    def _Moment(self, disc: DiscreteProblem, loading: Loading, pair: GraphPoint | Instant, residual: float) -> Instant:
-        displacement, traction = pair.displacement, pair.traction
-        contact, free = disc.contact, self._Free(disc, loading)[1]
-        s = contact.weights[:, None] * (traction - Apply(self.stiffness, displacement))
+    def _Moment(self, disc: DiscreteProblem, loading: Loading, pair: _Pair, residual: float) -> Instant:
+        contact, free, count = self.response.contact, self._Free(loading)[1], len(loading.pressed)
+        s = contact.weights[:, None] * (pair.traction - Apply(self.stiffness, pair.displacement))
 
         def Product(x: Array) -> float:
             """x.u = x.(free response) - V x.(T' W s), for a symmetric matrix."""
             return float(x @ free - np.vdot(contact.Displacement(self.loads.Response(x)), s))
 
-        return Instant(disc=disc, loading=loading, displacement=displacement, traction=traction, residual=residual,
-                      Product=Product)
+        motions = np.eye(count, len(free), len(free) - count)
+        placed = disc.Moved(np.array([Product(motion) for motion in motions]) if count else None)
+        return Instant(disc=placed, loading=loading, displacement=pair.displacement + placed.contact.found,
+                       traction=pair.traction, residual=residual, Product=lambda x: Product(np.append(x, np.zeros(count))))
 
     def _BySteps(self, graph: ContactGraph, free: Array) -> _Found:
         """The state with S_V, by substeps of the load from the last state."""
         for halvings in range(1, SUBSTEPS + 1):
-            q = graph.Coordinates(self.moment.displacement, self.moment.traction)
+            q = graph.Coordinates(self.pair.displacement, self.pair.traction)
             for part in np.arange(1, 2 ** halvings + 1) / 2 ** halvings:
-                found = self._Newton(graph, q, self.free + part * (free - self.free))
+                found = self._Newton(graph, q, self.pair.free + part * (free - self.pair.free))
                 q = found.point.q
                 if not found.solved:
                     break

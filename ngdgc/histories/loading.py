@@ -9,6 +9,7 @@ from typing import cast
 
 import numpy as np
 
+from ..contact.boundary import ContactBoundary
 from ..contact.graph import Distance, GraphDistance
 from ..contact.memory import Memory
 from ..contracts import Array
@@ -24,6 +25,7 @@ class Loading:
     penalty : what the penalty of prescribed displacements is to the body at rest, nan for a form that does not tell, or that is
         not symmetric
     gap : (n,) [length], as it is given, without what is worn off
+    pressed : (m,), what presses rigid punches along their motions that are to be found
     """
 
     dead: Array
@@ -32,6 +34,7 @@ class Loading:
     pull: Array | None
     penalty: float
     gap: Array
+    pressed: Array
 
     @classmethod
     def Of(cls, disc: DiscreteProblem) -> Loading:
@@ -39,7 +42,9 @@ class Loading:
         loads = {weak: sum((load for (kind, _), load in disc.loads.items() if (kind == "prescribed") == weak), none)
                  for weak in (False, True)}
         lift = disc.prescribed if np.any(disc.prescribed) else None
-        return cls(dead=loads[False], prescribed=loads[True], lift=lift, pull=None if lift is None else disc.Multiply(lift),
+        punches = disc.contact.punches
+        return cls(pressed=np.zeros(0) if punches is None else punches.loads,
+                   dead=loads[False], prescribed=loads[True], lift=lift, pull=None if lift is None else disc.Multiply(lift),
                    penalty=_Penalty(disc) if np.any(loads[True]) else 0.0, gap=disc.contact.given)
 
     @property
@@ -93,6 +98,11 @@ class Instant:
                 + float(np.vdot(contact.Load(self.traction), other.lift)))
 
     @property
+    def moved(self) -> Array | float:
+        """How far rigid punches have moved at the contact points (n, d), or 0."""
+        return self.disc.contact.moved
+
+    @property
     def elastic(self) -> float:
         """B_h(u, u)/2 with the displacement prescribed on Gamma_D in its jumps: the energy of the body and of its penalties."""
         loading, weights = self.loading, self.disc.contact.weights[:, None]
@@ -113,10 +123,16 @@ def Work(before: Instant | None, after: Instant) -> float:
     new, contact = after.loading, after.disc.contact
     work = 0.5 * (after.Times(new.dead - new.prescribed) + new.penalty + after.Reaction(new))
     if before is None:
-        return work - 0.5 * float(contact.weights @ (contact.Normal(after.traction) * new.gap))
+        return work - 0.5 * float(contact.weights @ _Moving(contact, after.traction, new.gap, after.moved))
     old = before.loading
     work += 0.5 * (after.Times(old.dead + old.prescribed) - before.Times(new.dead + new.prescribed)
                    - before.Times(old.dead - old.prescribed) - old.penalty)
     work += 0.5 * (before.Reaction(new) - after.Reaction(old) - before.Reaction(old))
-    pressure = contact.Normal(before.traction + after.traction)
-    return work - 0.5 * float(contact.weights @ (pressure * (new.gap - old.gap)))
+    forces = before.traction + after.traction
+    return work - 0.5 * float(contact.weights @ _Moving(contact, forces, new.gap - old.gap, after.moved - before.moved))
+
+
+def _Moving(contact: ContactBoundary, traction: Array, gap: Array, moved: Array | float) -> Array:
+    """What tractions (n, d) do on changes of the gap (n,) and of the place of punches (n, d), (n,) [stress length]."""
+    work = contact.Normal(traction) * gap
+    return work if contact.punches is None else work + np.sum(traction * moved, axis=1)

@@ -8,7 +8,9 @@ from typing import Any
 
 import numpy as np
 
+from ..contracts import Array, LinearProblem
 from ..discrete.problem import DiscreteProblem
+from ..discrete.punched import Equations
 from ..discrete.response import ContactResponse
 from ..solution.history import Step
 from ..solution.solution import ContactSolution
@@ -40,9 +42,11 @@ class Recall:
     def __call__(self, state: LoadState) -> ContactSolution:
         disc, vector, traction = self.Disc(state), state.vector, state.traction
         if vector is None:
-            found = self._Response(disc, state).Meet(state.displacement, state.traction)[0]
+            equations, relative = Equations(disc), state.displacement - disc.contact.found
+            found = self._Response(equations, relative, state.traction).Meet(relative, state.traction)[0]
             # Round-off of the matrix is no traction where there is none.
-            vector, traction = found.vector, np.where(np.any(traction, axis=1)[:, None], found.traction, traction)
+            traction = np.where(np.any(traction, axis=1)[:, None], found.traction, traction)
+            vector = found.vector[:disc.space.ndof]
         increment = state.increment
         steps = [Step(1, 0.0, increment.residual, increment.solves, increment.seconds)]
         return ContactSolution(disc, vector, traction, history=steps, solver=f"SolveHistory at time {state.time:g}")
@@ -52,7 +56,8 @@ class Recall:
         with self.disc.lock, Restoring(self.parameter), self.disc.state.Restored():
             self.parameter.Set(state.time)
             disc = self.disc.Current()
-        return disc.After(*state.before)
+        disc, punches = disc.After(*state.before), disc.contact.punches
+        return disc if punches is None or state.punches is None else disc.Moved(punches.Found(state.punches))
 
     def Instant(self, state: LoadState) -> Instant:
         """The state as one from which the next increment begins."""
@@ -60,9 +65,9 @@ class Recall:
         return Instant(disc=solution.disc, loading=Loading.Of(solution.disc), displacement=solution.displacement,
                       traction=solution.traction, vector=solution.vector, residual=state.increment.residual)
 
-    def _Response(self, disc: DiscreteProblem, state: LoadState) -> ContactResponse:
+    def _Response(self, equations: LinearProblem, displacement: Array, traction: Array) -> ContactResponse:
         if self.response is None:
-            setting = Setting.Of(disc)
-            point = setting.graph.At(setting.graph.Coordinates(state.displacement, state.traction))
-            self.response = ContactResponse(disc, setting.Stiffness(point))
-        return self.response.Moved(disc)
+            setting = Setting.Of(equations)
+            point = setting.graph.At(setting.graph.Coordinates(displacement, traction))
+            self.response = ContactResponse(equations, setting.Stiffness(point))
+        return self.response.Moved(equations)

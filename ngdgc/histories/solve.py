@@ -150,7 +150,7 @@ class _Run:
         energy = new.elastic + FoundationEnergy(contact, new.displacement)
         return new, LoadState(time=time, displacement=new.displacement, traction=new.traction, before=new.disc.memory,
                               after=new.memory, work=work, energy=energy, dissipation=dissipation, abrasion=abrasion,
-                              increment=increment, vector=new.vector)
+                              increment=increment, vector=new.vector, punches=new.disc.punches)
 
     def _Parts(self, old: Instant | None, begin: float, end: float) -> Iterator[tuple[Instant | None, Instant]]:
         """(state before, state) of every part of an increment, halved where it fails or changes too much."""
@@ -200,4 +200,4 @@ class _Run:
         if old is None:
             return self.solver.Solve(disc)
         newton = self.solver if isinstance(self.solver, SemismoothNewtonSolver) else SemismoothNewtonSolver(tol=self.solver.tol)
-        return newton.Solve(disc, start=(old.displacement, old.traction))
+        return newton.Solve(disc, start=(old.displacement - old.disc.contact.found, old.traction))

@@ -35,6 +35,7 @@ class LoadState:
     displacement, traction : u, t (n, d);  before, after : `Memory` with which its last part began, and that it leaves
     work, dissipation, abrasion : cumulated;  energy : of body and foundations, all [stress length^d]
     vector : coefficients of u (ndof,), or None where they are computed when they are asked for
+    punches : displacement and rotation of rigid punches (punches, modes) [length], [1], or None where there are none
     """
 
     time: float
@@ -48,3 +49,4 @@ class LoadState:
     abrasion: float
     increment: Increment
     vector: Array | None = None
+    punches: Array | None = None

@@ -15,6 +15,7 @@ from ..tools.calls import ByKeyword
 from ..tools.formula import Described
 from .hypotheses import CheckCompliance, CheckFriction, CheckLaws, CheckWear, LawReport
 from .laws import ComplianceLaw, FrictionLaw
+from .punch import RigidPunch
 from .userlaws import LawName, Watched
 
 @ByKeyword
@@ -37,6 +38,8 @@ class Foundation:
     body along the normal, p the pressure at its end and s = |change of u_t|.  What was worn off before an increment adds to its
     gap; `Solve`, one increment of the body as it is made, has none.
 
+    `punch` is a `RigidPunch`: the foundation moves as a rigid body, where it is moved to or as far as a force presses it.
+
     Raises ProblemError if a derivative that a law returns is not that of its pressure, bound or slip factor, if one of these
     is negative, or if the pressure is not zero without penetration (2.13).
 
@@ -53,13 +56,15 @@ class Foundation:
     gap: Any = 0.0
     normal: Any = None
     wear: Any = None
+    punch: Any = None
     kind: ClassVar[str] = "foundation"
     tension: ClassVar[Any] = 0.0
     __repr__ = Described
 
     if TYPE_CHECKING:
         def __init__(self, boundary: str, compliance: Compliance, friction: Friction | None = None,
-                     gap: Datum = 0.0, normal: VectorDatum | None = None, wear: Wear | None = None) -> None: ...
+                     gap: Datum = 0.0, normal: VectorDatum | None = None, wear: Wear | None = None,
+                     punch: RigidPunch | None = None) -> None: ...
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "boundary", RegionName(self.boundary, "foundation"))
@@ -72,6 +77,8 @@ class Foundation:
         if self.wear is not None and not _Has(self.wear, "Depth"):
             raise ProblemError(f"wear is {self.wear!r}; give a law such as ArchardWear(1e-6), an object with Depth(p, slip), "
                                "or None")
+        if self.punch is not None and not isinstance(self.punch, RigidPunch):
+            raise ProblemError(f"punch is {self.punch!r}; give a RigidPunch, such as RigidPunch(force=(None, -50)), or None")
         object.__setattr__(self, "gap", Scalar(self.gap, "gap"))
         if self.normal is not None:
             object.__setattr__(self, "normal", Vector(self.normal, f"normal of {self.kind} {self.boundary!r}"))

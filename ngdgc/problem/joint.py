@@ -41,6 +41,7 @@ class Joint(Foundation):
     """
 
     normal: Any = field(init=False, default=None)
+    punch: Any = field(init=False, default=None)
     tension: Any = 0.0      # type: ignore[misc]
     kind: ClassVar[str] = "joint"
 

@@ -111,6 +111,8 @@ class ContactProblem:
         for foundation in self.foundation:
             if foundation.normal is not None:
                 yield f"normal of foundation {foundation.boundary!r}", foundation.normal.dim
+            if foundation.punch is not None:
+                yield f"punch of foundation {foundation.boundary!r}", foundation.punch.dim
         if isinstance(self.material, AnisotropicMaterial):
             yield "material", self.material.dim
 

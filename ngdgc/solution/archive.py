@@ -40,7 +40,7 @@ def Keep(solution: Any, folder: str | PathLike[str], *, more: dict[str, Any] | N
               "dofs": _Dofs(disc.space) if disc.given.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
               "origin": np.zeros((0, disc.mesh.dim)) if disc.origin is None else disc.origin,
               "path": disc.contact.path, "worn": disc.contact.worn, "pieces": PiecesArray(disc.pieces, disc.mesh.dim),
-              **(more or {}),
+              **({} if disc.motion is None else {"motion": disc.motion}), **(more or {}),
               **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
     _CheckArrays(arrays, "solution")
     words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
@@ -78,7 +78,8 @@ def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],
             raise ProblemError(f"the pieces in {folder} are no parts of boundary elements; give a folder as "
                                "ContactSolution.Save has left it")
         disc = OnPieces(disc, PiecesOf(pieces, mesh.dim))
-    return disc.After(*(array if array.size else None for array in memory)), arrays, words
+    disc = disc.After(*(array if array.size else None for array in memory))
+    return disc.Moved(arrays.get("motion")), arrays, words
 
 
 def _Inverse(name: str) -> str:

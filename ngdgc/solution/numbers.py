@@ -99,6 +99,15 @@ class Quantities:
         """Depth worn off by wear= of the foundation, in this increment too, (n,) [length]; `penetration` is without that."""
         return np.asarray(self._memory.worn)
 
+    @property
+    def punches(self) -> dict[str, Array]:
+        """{region: displacement and rotation} of the foundations that are rigid punches, (3,) or in 3D (6,) [length], [1].
+
+        As `Resultants` has forces and moments: along the axes, then about them, through `about` of the `RigidPunch`.
+        """
+        punches = self.disc.contact.punches
+        return {} if punches is None else dict(zip(punches.regions, self.disc.punches))
+
     @AsRead
     def Table(self) -> Any:
         """The contact quantities, a structured array over the contact points, for numpy, `export.WriteCSV` or pandas.DataFrame.

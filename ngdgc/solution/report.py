@@ -42,6 +42,7 @@ SCHEMA = {
     "resultants": "of supports, loads and foundations, of joints on their first sides: kind, region, force (d) "
                   "[stress length^(d-1)], moment about the origin [stress length^d], and integrated_stress (force, moment) by "
                   "sigma n or null",
+    "punches": "of each foundation that is a rigid punch: displacement [length] and rotation [1]",
     "equilibrium_residual": "|A u - f + T' W t| relative to its terms [1]",
     "global_imbalance": "sum of forces and moments, relative",
     "element_imbalance": "the largest of an element, relative; discontinuous methods only",
@@ -89,6 +90,8 @@ def Summary(solution: Any) -> dict[str, Any]:
              "moment": resultant.moment.tolist(),
              "integrated_stress": resultant.integrated and [part.tolist() for part in resultant.integrated]}
             for resultant in solution.Resultants()],
+        "punches": {region: {"displacement": motion[:disc.mesh.dim].tolist(), "rotation": motion[disc.mesh.dim:].tolist()}
+                    for region, motion in solution.punches.items()},
         "equilibrium_residual": solution.EquilibriumResidual(),
         "global_imbalance": solution.GlobalImbalance(),
     }
@@ -178,9 +181,15 @@ def _Contact(numbers: dict[str, Any]) -> list[str]:
             *(f"  {label:<22}{numbers[key]['smallest']:>14.6g}  to {numbers[key]['largest']:>14.6g} [{unit}]"
               for label, key, unit in rows),
             f"  {'int p_n':<22}{numbers['normal_force']:>14.6g} {_Product(dim - 1)}",
+            *_Punches(numbers["punches"]),
             f"Elastic energy {numbers['elastic_energy']:.6g} {_Product(dim)}", *_Error(numbers["estimated_error"]),
             *(f"Estimated error of the {name}: {', '.join(f'{error:+.2g}' for error in found['error'])}"
               for name, found in (numbers["estimated_quantities"] or {}).items())]
+
+
+def _Punches(punches: dict[str, Any]) -> list[str]:
+    return [f"Punch {region}: moved by ({', '.join(f'{entry:.6g}' for entry in motion['displacement'])}) [length], turned by "
+            f"{', '.join(f'{entry:.6g}' for entry in motion['rotation'])}" for region, motion in punches.items()]
 
 
 def _Space(numbers: dict[str, Any]) -> int:

@@ -121,13 +121,19 @@ def GlobalImbalance(solution: Any) -> float:
 def EquilibriumResidual(disc: DiscreteProblem, vector: Array, traction: Array) -> float:
     """|A u - f + T' W t| of coefficients u (ndof,) and tractions t (n, d), Euclidean norm on the free dofs, relative.
 
+    With what the tractions on rigid punches lack of the loads on these, relative to them.
+
     To the largest of A u, f and T' W t, or to NEGLIGIBLE |diag(A) u| if that is more: of a nearly rigid motion of a stiff body
     A u is a small difference of large numbers, whose round-off, some 10 eps |diag(A) u|, tells nothing.
     """
     elastic, pull = disc.Multiply(vector), disc.contact.Load(traction)
     free = disc.free
     size = max(disc.Norm(part[free]) for part in (elastic, disc.load, pull, NEGLIGIBLE * disc.diagonal * vector))
-    return disc.Norm((elastic - disc.load + pull)[free]) / size if size else 0.0
+    residual = disc.Norm((elastic - disc.load + pull)[free]) / size if size else 0.0
+    punches = disc.contact.punches
+    if punches is None or not np.any(punches.loads):
+        return residual
+    return max(residual, float(np.abs(punches.Excess(traction, disc.contact.weights)).max() / np.abs(punches.loads).max()))
 
 
 @ByKeyword

@@ -139,8 +139,8 @@ class ContactSolution(Quantities):
 
     @property
     def slip(self) -> Array:
-        """u_t since the undeformed body, (n, d) [length]; in a history `path` is what the slips of its increments add up to."""
-        return self.disc.contact.Tangential(self.displacement)
+        """u_t, on rigid punches (u - M)_t, since the undeformed body, (n, d) [length]; `path` adds up that of increments."""
+        return self.disc.contact.Tangential(self.displacement - self.disc.contact.moved)
 
     @cached_property
     def _graph(self) -> GraphDistance:

@@ -76,8 +76,8 @@ def Drive(solver: Any, disc: DiscreteProblem, iterates: Iterable[Equilibrium], c
     start = time.perf_counter()
 
     def Solution(converged: bool, contracts: bool) -> ContactSolution:
-        return ContactSolution(disc, iterate.vector, iterate.traction, history=history, converged=converged,
-                               solver=repr(solver), Predict=Predict if contracts else None)
+        return ContactSolution(disc.Moved(iterate.motion), iterate.vector, iterate.traction, history=history,
+                               converged=converged, solver=repr(solver), Predict=Predict if contracts else None)
 
     try:
         for number, iterate in enumerate(iterates):

@@ -71,7 +71,7 @@ class NestedNewtonSolver:
         with Current(disc) as disc:
             levels, start = self._Predict(solver, disc, callback)
             found, seconds = FromPrediction(solver, disc, start, callback)
-            return ContactSolution(disc, found.vector, found.traction, history=found.history, solver=repr(self),
+            return ContactSolution(found.disc, found.vector, found.traction, history=found.history, solver=repr(self),
                                    levels=[*levels, LevelOf(disc, found.history, seconds, True)])
 
     def _Predict(self, solver: SemismoothNewtonSolver, disc: DiscreteProblem,
@@ -166,7 +166,7 @@ def Transfer(coarse: ContactSolution, contact: ContactBoundary) -> tuple[Array, 
     """
     old = coarse.disc.contact
     displacement, traction = np.empty_like(contact.normals), np.empty_like(contact.normals)
-    values = np.concatenate([coarse.displacement, coarse.traction], axis=1)
+    values = np.concatenate([coarse.displacement - old.found, coarse.traction], axis=1)
     for source, target in ((before.points, after.points) for before, after in zip(old.parts, contact.parts)):
         fitted = LocalFit(old.coordinates[source], values[source], contact.coordinates[target], contact.outward[target])
         displacement[target], traction[target] = np.split(fitted, 2, axis=1)

@@ -46,7 +46,8 @@ class PausedNewton:
         """The solution to the tolerance of another solver, after that which `Solve` has found."""
         run = self._run
         if not isinstance(run, CorrectedRun):
-            return solver.Solve(found.disc, start=(found.displacement, found.traction), callback=callback)
+            return solver.Solve(found.disc, start=(found.displacement - found.disc.contact.found, found.traction),
+                                callback=callback)
         with Current(found.disc) as disc:
             run.tol, run.most = solver.tol, MOST
             reached = Equilibrium(vector=found.vector, displacement=found.displacement, traction=found.traction)

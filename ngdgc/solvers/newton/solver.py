@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 
+from ...contact.equilibrium import Equilibrium
 from ...contracts import Array
 from ...discrete.problem import DiscreteProblem
+from ...discrete.punched import Equations, PunchedProblem
 from ...exceptions import ProblemError
 from ...solution.history import Step
 from ...solution.solution import ContactSolution
@@ -59,7 +61,8 @@ class SemismoothNewtonSolver:
               callback: Callable[[Step], object] | None = None) -> ContactSolution:
         """Return the ContactSolution of a Discretization; `callback(step)` is called with every `Step`.
 
-        start : (displacement, traction), both (n, d), at the contact points, such as those of a similar problem; None: rest
+        start : (displacement, traction), both (n, d), at the contact points, such as those of a similar problem; None: rest.
+            Displacements are those towards punches that a force presses, solution.displacement - solution.disc.contact.found
 
         Raises NotConvergedError, with the history and the likely cause, if the iteration stalls, from rest also under
         load steps; SolveInterrupted, with the last iterate, on Ctrl-C.
@@ -72,7 +75,20 @@ class SemismoothNewtonSolver:
 def MakeRun(disc: DiscreteProblem, start: tuple[Array, Array] | None, tol: float) -> NewtonRun | CorrectedRun:
     """A run on a Discretization from a start, as `SemismoothNewtonSolver.Solve` takes it."""
     start = start if start is None else _Start(start, disc.contact.normals.shape)
+    equations = Equations(disc)
+    if isinstance(equations, PunchedProblem):
+        return PunchedRun(equations, start, tol)
     return CorrectedRun(disc, start, tol) if disc.iterates else NewtonRun(disc, start, tol)
+
+
+class PunchedRun(NewtonRun):
+    """One run on a body and the rigid punches whose motions are to be found."""
+
+    def Iterates(self) -> Iterator[Equilibrium]:
+        """The equilibria of the states, the motions of the punches beside the coefficients of the body."""
+        problem = cast(PunchedProblem, self.setting.disc)
+        for found in super().Iterates():
+            yield replace(found, vector=found.vector[:problem.size], motion=found.vector[problem.size:])
 
 
 def _Start(start: Any, shape: tuple[int, ...]) -> tuple[Array, Array]:

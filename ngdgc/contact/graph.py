@@ -30,6 +30,7 @@ from .resolvent import Share
 
 SEPARATION, STICK, SLIP = 0, 1, 2
 ZONES = ("separation", "stick", "slip")
+ROUNDOFF = 1e-14     # of displacements, in units of the gap
 LEAST = 1e-3    # scale of friction, relative to the tractions
 
 
@@ -120,10 +121,14 @@ class GraphDistance:
 def Scales(contact: ContactBoundary, displacement: Array, traction: Array) -> tuple[float, float]:
     """(u_s, t_s): t_s = max |t|, and u_s = max |u| or, if that is more, what t_s would do to the body, t_s L/mu.
 
-    On a stiff foundation with friction u alone tends to zero on all of Gamma_C and would be no scale.
+    On a stiff foundation with friction u alone tends to zero on all of Gamma_C and would be no scale; where nothing is loaded
+    u is the round-off of the gap, which then is the scale.
     """
     tscale = np.linalg.norm(traction, axis=1).max(initial=0)
     uscale = max(np.linalg.norm(displacement, axis=1).max(initial=0), tscale * contact.flexibility)
+    gap = np.abs(contact.gap).max(initial=0)
+    if uscale <= ROUNDOFF * gap:
+        uscale, tscale = gap, gap / contact.flexibility
     return uscale or 1.0, tscale or 1.0
 
 

@@ -58,7 +58,7 @@ class PunchedProblem:
     @property
     def motions(self) -> Array:
         """Coefficients of the rigid motions of body and punches that A does not resist, (modes, ndof + m)."""
-        alone = np.eye(self.size + self.count)[self.size:]
+        alone = np.eye(self.count, self.size + self.count, self.size)
         return np.vstack([self.Padded(self.disc.motions), alone])
 
     @property

@@ -21,7 +21,7 @@ def ContactOf(disc: Any, scalar: FESpace) -> ContactBoundary:
 def OnPieces(disc: Any, pieces: Pieces) -> Any:
     """The same DiscreteProblem with the contact points of a quadrature that is divided; nothing else is another."""
     other = Twin(disc)
-    other.pieces, other.solves, other.cycles, other.factorisation = pieces, 0, 0, 0.0
+    other.pieces, other.motion, other.solves, other.cycles, other.factorisation = pieces, None, 0, 0, 0.0
     with disc.state.Restored():
         other.contact = ContactOf(other, disc.method.ScalarSpace(disc.mesh, disc.order))
     return other

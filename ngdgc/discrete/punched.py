@@ -59,7 +59,7 @@ class PunchedProblem:
     def motions(self) -> Array:
         """Coefficients of the rigid motions of body and punches that A does not resist, (modes, ndof + m)."""
         alone = np.eye(self.count, self.size + self.count, self.size)
-        return np.vstack([self.Padded(self.disc.motions), alone])
+        return np.vstack([self.Padded(self.disc.motions), alone]) if self.disc.restraints.floating else alone
 
     @property
     def inverse(self) -> Any:

@@ -33,8 +33,8 @@ class Restraints:
     Attributes
     ----------
     loose : words for the motions that neither dirichlet nor roller resist, or None
-    unresisted : words for those that springs and added forms do not resist either, and for the motions of rigid punches that
-        forces press: only contact does, or None
+    floating : words for those that springs and added forms do not resist either, so that only contact does, or None
+    unresisted : the same, and words for the motions of rigid punches that forces press
     """
 
     def __init__(self, problem: ContactProblem, facets: Facets, contact: ContactBoundary, space: FESpace,
@@ -51,10 +51,13 @@ class Restraints:
         return FreeMotion(self.facets, self._supports)
 
     @cached_property
+    def floating(self) -> str | None:
+        return self.loose and FreeMotion(self.facets, self._supports, self._springs)
+
+    @property
     def unresisted(self) -> str | None:
-        body = self.loose and FreeMotion(self.facets, self._supports, self._springs)
         punches = self.contact.punches.Words() if self.contact.punches is not None else []
-        return " and ".join(filter(None, [body, *punches])) or None
+        return " and ".join(filter(None, [self.floating, *punches])) or None
 
     @property
     def soft(self) -> sp.csr_matrix | None:

@@ -152,7 +152,8 @@ def CheckCovered(problem: Any, method: Any, mesh: Any, order: int, assembly: str
     wrong = {f"method {method.name}, which PETSc's cycle is not made for; take a symmetric one of Table 2": not iterative,
              "assembly='skeleton'; take 'facet'": assembly != "facet",
              "another inverse than 'auto'; leave it out": inverse != "auto",
-             f"joints; {remedy}": bool(problem.joints), f"bodies of revolution; {remedy}": problem.axisymmetric,
+             f"joints; {remedy}": bool(problem.joints), f"rigid punches; {remedy}": coarse.contact.punches is not None,
+             f"bodies of revolution; {remedy}": problem.axisymmetric,
              f"friction bonds with a tension; {remedy}": any(part.bond for part in coarse.contact.parts)}
     for words, asked in wrong.items():
         if asked:

@@ -15,7 +15,7 @@ from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .bound import Bound
 from .equilibrated import Complementary, EquilibratedStress, Stress, StressBatch
-from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefuseSprings, Relative
+from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefusePunches, RefuseSprings, Relative
 from .lawpart import LawPart
 from .loadquadrature import LoadQuadrature
 from .oscillation import BodyOscillation, TractionOscillation
@@ -84,6 +84,7 @@ def _Check(solution: Any) -> None:
                            "FacetForm, as all methods of ngdgc have it")
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
+    RefusePunches(disc.problem)
     disc.problem.frame.Refuse("EstimateError")
     RefuseHistories(disc)
     if disc.added:

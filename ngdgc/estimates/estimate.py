@@ -81,6 +81,13 @@ def RefuseJoints(problem: ContactProblem) -> None:
                            "estimated of bodies that press against foundations alone: compare with a finer mesh")
 
 
+def RefusePunches(problem: ContactProblem) -> None:
+    """Raise ProblemError for a problem with rigid punches."""
+    if punched := [foundation.boundary for foundation in problem.foundation if foundation.punch is not None]:
+        raise ProblemError(f"the foundation {punched[0]!r} is a rigid punch, whose motion no estimate here knows; compare with "
+                           "a finer mesh, or give its displacement as a gap")
+
+
 def RefuseHistories(disc: Any) -> None:
     """Raise ProblemError for a state of a history that is not its first one."""
     if disc.origin is not None:

@@ -14,7 +14,7 @@ from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from ..tools.values import HIGHEST
 from .adjoint import Adjoint
-from .estimate import RefuseHistories, RefuseJoints
+from .estimate import RefuseHistories, RefuseJoints, RefusePunches
 from .goals import Goals
 
 
@@ -113,6 +113,7 @@ def _Check(solution: Any) -> None:
         raise ProblemError(f"the solution is of order {disc.order}, the highest one, and errors of forces are estimated by the "
                            f"next; take order {disc.order - 1}")
     RefuseJoints(disc.problem)
+    RefusePunches(disc.problem)
     disc.problem.frame.Refuse("EstimateForce")
     RefuseHistories(disc)
     if disc.added:

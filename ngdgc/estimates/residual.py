@@ -15,7 +15,7 @@ from ..mesh.facets import Curved, Projected, Threads
 from ..problem.frames import CARTESIAN
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
-from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefuseSprings, Relative
+from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefusePunches, RefuseSprings, Relative
 from .contactresidual import ContactResidual, Softest
 
 SMOOTH = 2      # degrees beyond k of the polynomials that a stress which is none is taken for
@@ -55,6 +55,7 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     disc = solution.disc
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
+    RefusePunches(disc.problem)
     disc.problem.frame.Refuse("ResidualEstimate")
     RefuseHistories(disc)
     if disc.added:

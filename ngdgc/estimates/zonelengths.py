@@ -12,7 +12,7 @@ from ..contracts import Array
 from ..solution.solution import CheckSolution
 from ..tools.calls import ByKeyword
 from .contactresidual import FINE, Softest
-from .estimate import RefuseHistories, RefuseJoints
+from .estimate import RefuseHistories, RefuseJoints, RefusePunches
 
 
 @ByKeyword
@@ -38,6 +38,7 @@ def EstimateZones(solution: Any) -> dict[str, float]:
     """
     CheckSolution(solution)
     RefuseJoints(solution.disc.problem)
+    RefusePunches(solution.disc.problem)
     solution.disc.problem.frame.Refuse("EstimateZones")
     RefuseHistories(solution.disc)
     with solution.state.Restored():

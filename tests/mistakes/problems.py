@@ -11,8 +11,10 @@ from netgen.geom2d import SplineGeometry
 from ngsolve import CF, H1, BilinearForm, GridFunction, LinearForm, Mesh, Parameter, Variation, VectorL2, ds, dx, sqrt, x, y
 from problems import Example
 
-from ngdgc import (LDG, BassiEtAl, ComplianceLaw, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
-                   InteriorPenalty, Joint, Lifting, SemismoothNewtonSolver, Solve, UzawaSolver, WeaklyOverPenalised)
+from ngdgc import (LDG, BassiEtAl, ComplianceLaw, Conforming, ContactProblem, Discretization, EstimateError, EstimateForce,
+                   EstimateZones, Foundation, HookeMaterial, InteriorPenalty, Joint, Lifting, RigidPunch,
+                   SemismoothNewtonSolver, Solve, UzawaSolver, WeaklyOverPenalised)
+from ngdgc.estimates.residual import ResidualEstimate
 from ngdgc.theory.lemmas import CriticalPenalty
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.blocks.matrix import BlockMatrix
@@ -116,6 +118,31 @@ def Extreme():
     return Disc(traction={"left": CF((1e300, 1e308))}, material=HookeMaterial(E=1e-200, nu=0.3))
 
 
+def Punched(foundation=None, **punch):
+    """Example 4.1 on a rigid punch."""
+    return Disc(foundation=On(punch=RigidPunch(**punch), **(foundation or {})))
+
+
+PUNCHES = [
+    (lambda _: On(punch=5), "punch is 5 | a RigidPunch | such as RigidPunch(force="),
+    (lambda _: RigidPunch(), "a punch has no force, moment, displacement or rotation | give one | leave punch= out"),
+    (lambda _: RigidPunch(force=5), "force of a punch is 5 | 2 or 3 entries, with None | give"),
+    (lambda _: RigidPunch(force=(None, "5")), "component 2 of force of a punch is '5' | a number | give"),
+    (lambda _: RigidPunch(moment=(1, 2)), "moment of a punch is (1, 2) | a number in 2D and 3 entries in 3D | give"),
+    (lambda _: RigidPunch(rotation=0, about=(0, CF(1))), "about of a punch is (0, | 2 or 3 numbers | such as (0, 1)"),
+    (lambda _: RigidPunch(force=(None, -5), moment=(0, 0, 0)), "force: 2, moment: 3 | different dimensions | give all of them"),
+    (lambda _: RigidPunch(force=(None, -5), displacement=(0, 0.1)),
+     "component 2 of a punch has a force and a displacement | one of them | give"),
+    (lambda _: Punched(force=(0, 0, 1)), "punch of foundation 'bottom': 3 | different dimensions | give all of them"),
+    (lambda _: Punched(force=(None, x)), "load of punch varies from 0 | a rigid body has one | give a number"),
+    (lambda _: Punched(force=(0, 5), foundation={"friction": None}).matrix,
+     "nothing resists the translation of the punch 'bottom' along x | hold it, with None | give the foundation friction"),
+    (lambda _: Solve(Discretization(Example(foundation=On(punch=RigidPunch(force=(None, 5)))), LDG(), RectangleMesh(2),
+                                    inverse="iterative")), "inverse='iterative' | not for punches | take inverse='auto'"),
+    (lambda _: Solve(Punched(force=(None, -5))), "there is no equilibrium | pull the body off | other loads"),
+    *((lambda _, estimate=estimate: estimate(Solve(Punched(displacement=(0, 0.1)))),
+       "the foundation 'bottom' is a rigid punch | no estimate here knows | give its displacement as a gap")
+      for estimate in (EstimateError, EstimateForce, EstimateZones, ResidualEstimate))]
 FLOATING = {"dirichlet": None, "traction": None, "foundation": On()}
 PROBLEMS = [
     # Problems on a mesh.
@@ -136,6 +163,7 @@ PROBLEMS = [
      "foundation 'bottom': normal vanishes at 4 of 4 points | from the body into the foundation | give a vector"),
     (lambda _: Example(foundation=On(normal=(0, 0, -1))),
      "normal of foundation 'bottom': 3 | different dimensions | give all of them"),
+    *PUNCHES,
     (lambda _: Example(bodyforce=(0, 0, 1)), "bodyforce: 3 | different dimensions | give all of them"),
     (lambda _: Disc(mesh=3), "mesh is 3 | an ngsolve.Mesh, for example Mesh( | give"),
     (lambda _: Disc(mesh=Mesh(SplineGeometry().GenerateMesh())),

@@ -4,7 +4,8 @@ from mistakes import SOFT, On
 from ngsolve import CF
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngdgc import LDG, AnisotropicMaterial, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial, Solve
+from ngdgc import (LDG, AnisotropicMaterial, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial,
+                   RigidPunch, Solve)
 from ngdgc.export import Scene
 from ngdgc.meshes import BoxMesh
 from ngdgc.theory.consistency import ConsistencyVector
@@ -36,6 +37,8 @@ REVOLUTION = [
      "foundation region 'left' lies on the axis | nothing is given | leave it out"),
     (Named("roller", 0), "roller region 'left' lies on the axis | u_r = 0 by nature | leave it out"),
     (Named("traction", (0, 0)), "traction region 'left' lies on the axis | no part of its surface | leave it out"),
+    (lambda _: Ring(foundation=On(punch=RigidPunch(force=(1, 2)))),
+     "foundation 'bottom' | moves along the axis alone | give force=(None, F)"),
     (lambda _: Scene(Solve(Ring(axisymmetric=False)), turned=True), "turned is True | for a body of revolution | give True"),
     (lambda _: EstimateError(Solve(Ring())), "EstimateError | for bodies that are the mesh itself | compare with a finer mesh"),
     (lambda _: ConsistencyVector(Ring(), CF((0, 0))), "ConsistencyVector | weight 2 pi r | the body in space")]

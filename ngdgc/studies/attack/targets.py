@@ -28,6 +28,7 @@ from ...problem.laws import (ArchardWear, ComplianceLaw, CoulombFriction, Fricti
                              SlipWeakeningFriction, TrescaFriction)
 from ...problem.materials import HookeMaterial, Strain
 from ...problem.problem import ContactProblem
+from ...problem.punch import RigidPunch
 from ...solution.solution import ContactSolution
 from .results import RESULTS
 
@@ -281,6 +282,11 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "goals": lambda s: (),
     "normal": lambda s: s.Choose("explicit", "implicit"),
     "wear": lambda s: s.Choose(None, None, ArchardWear(1e-5)),
+    "punch": lambda s: s.Choose(None, RigidPunch(displacement=(*(None,) * (s.dim - 1), 0.01))),
+    "RigidPunch.force": lambda s: (*(None,) * (s.dim - 1), s.rng.uniform(0.1, 1)),
+    "moment": lambda s: None, "rotation": lambda s: s.Choose(None, 0.01 if s.dim == 2 else (None, None, 0.01)),
+    "RigidPunch.displacement": lambda s: (0.01, *(None,) * (s.dim - 1)),
+    "about": lambda s: s.Choose(None, (0.5,) * s.dim),
     "Foundation.normal": lambda s: (0,) * (s.dim - 1) + (-1,),
     "acceleration": lambda s: s.Choose(None, "anderson"),
     "coarser": lambda s: s.Choose(None, (), [UnitMesh(1, s.cells)]),

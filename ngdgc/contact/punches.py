@@ -99,10 +99,7 @@ class Punches:
 
 
 def _CheckModes(punch: RigidPunch, name: str, frame: Cartesian, dim: int) -> None:
-    """Raise ProblemError for data of another dimension, and for motions that a body of revolution does not make."""
-    if punch.dim != dim:
-        raise ProblemError(f"{name}: the data of the punch have dimension {punch.dim} and the mesh has {dim}; give as many "
-                           "components as the mesh has")
+    """Raise ProblemError for motions that a body of revolution does not make."""
     turning = [entry for mode, pair in enumerate(zip(punch.Loads(), punch.Motions())) for entry in pair
                if entry is not None and mode not in range(3 * dim - 3)[frame.rigid]]
     if turning:

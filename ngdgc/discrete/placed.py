@@ -42,7 +42,7 @@ class Placed:
     @property
     def punches(self) -> Array | None:
         """Displacement and rotation of rigid punches, (punches, modes) [length], [1], or None where there are none."""
-        return self.contact.punches and self.contact.punches.Whole(self.motion)
+        return None if self.contact.punches is None else self.contact.punches.Whole(self.motion)
 
     @property
     def origin(self) -> Array | None:

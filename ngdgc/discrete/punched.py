@@ -15,16 +15,17 @@ from typing import Any
 
 import numpy as np
 
-from ..contracts import Array, Inverse, LinearProblem
+from ..contact.punches import Punches
+from ..contracts import Array, InexactInverse, Inverse, LinearProblem
 from ..exceptions import ProblemError
 from ..tools import sparse as sp
 from .problem import DiscreteProblem
 
 
-def Equations(disc: DiscreteProblem) -> LinearProblem:
+def Enlarged(disc: DiscreteProblem) -> LinearProblem:
     """A Discretization for Newton's method, with the motions of its punches that are to be found."""
-    contact = disc.contact
-    return PunchedProblem(disc) if contact.punches is not None and contact.punches.count else disc
+    punches = disc.contact.punches
+    return disc if punches is None or not punches.count else PunchedProblem(disc, punches)
 
 
 class PunchedProblem:
@@ -35,12 +36,12 @@ class PunchedProblem:
 
     shift = 0.0
 
-    def __init__(self, disc: DiscreteProblem) -> None:
+    def __init__(self, disc: DiscreteProblem, punches: Punches) -> None:
         if disc.iterates:
             raise ProblemError(f"inverse={disc.inversekind!r} is not for punches that a force presses; take inverse='auto' or "
                                "'sparsecholesky', or prescribe their displacement")
         self.disc, self.mesh, self.problem, self.order = disc, disc.mesh, disc.problem, disc.order
-        self.contact, punches = disc.contact.WithPunches(), disc.contact.punches
+        self.contact = disc.contact.WithPunches()
         self.size, self.count = disc.space.ndof, punches.count
         self.load, self.prescribed = np.append(disc.load, punches.loads), self.Padded(disc.prescribed)
         self.unresisted = disc.unresisted
@@ -87,12 +88,15 @@ class PunchedProblem:
     def Multiply(self, vector: Array) -> Array:
         return self.Padded(self.disc.Multiply(vector[:self.size]))
 
-    def FactoriseSum(self, added: sp.csr_matrix) -> Bordered:
+    def FactoriseSum(self, added: sp.csr_matrix) -> Inverse:
         """The inverse of diag(A, 0) and a matrix of the stiffness of Gamma_C."""
         return Bordered(self.disc, added.tocsr(), self.size)
 
-    def ApplyInverse(self, inverse: Bordered, load: Array) -> Array:
+    def ApplyInverse(self, inverse: Inverse, load: Array) -> Array:
         return inverse.Solve(load)
+
+    def Iterate(self, inverse: InexactInverse, load: Array, *, tol: float, start: Array) -> Array:
+        return inverse.Solve(load)      # which is no iteration
 
 
 class Bordered:

@@ -22,7 +22,7 @@ import numpy as np
 from ..contact.graph import ContactGraph, GraphPoint, Scales
 from ..contracts import Array
 from ..discrete.problem import DiscreteProblem
-from ..discrete.punched import Equations
+from ..discrete.punched import Enlarged
 from ..discrete.response import Apply, ContactResponse
 from ..solvers.newton.setting import Setting
 from ..solvers.newton.stiffened import NEAR
@@ -70,7 +70,7 @@ class Increments:
 
     def __init__(self, moment: Instant, tol: float) -> None:
         disc, self.tol = moment.disc, tol
-        equations = Equations(disc)
+        equations = Enlarged(disc)
         setting, displacement = Setting.Of(equations), moment.displacement - disc.contact.found
         self.scale = setting.scale
         point = setting.graph.At(setting.graph.Coordinates(displacement, moment.traction))
@@ -91,7 +91,7 @@ class Increments:
 
     def Next(self, disc: DiscreteProblem) -> Instant | None:
         """The state under the data of now, slip counted from the last one, or None if that was not found."""
-        self.response = self.response.Moved(Equations(disc))
+        self.response = self.response.Moved(Enlarged(disc))
         loading = Loading.Of(disc)
         graph, free = ContactGraph(self.response.contact, self.scale), self._Free(loading)[0]
         q = graph.Coordinates(self.pair.displacement, self.pair.traction)

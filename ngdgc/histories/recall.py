@@ -10,7 +10,7 @@ import numpy as np
 
 from ..contracts import Array, LinearProblem
 from ..discrete.problem import DiscreteProblem
-from ..discrete.punched import Equations
+from ..discrete.punched import Enlarged
 from ..discrete.response import ContactResponse
 from ..solution.history import Step
 from ..solution.solution import ContactSolution
@@ -42,7 +42,7 @@ class Recall:
     def __call__(self, state: LoadState) -> ContactSolution:
         disc, vector, traction = self.Disc(state), state.vector, state.traction
         if vector is None:
-            equations, relative = Equations(disc), state.displacement - disc.contact.found
+            equations, relative = Enlarged(disc), state.displacement - disc.contact.found
             found = self._Response(equations, relative, state.traction).Meet(relative, state.traction)[0]
             # Round-off of the matrix is no traction where there is none.
             traction = np.where(np.any(traction, axis=1)[:, None], found.traction, traction)

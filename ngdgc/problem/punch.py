@@ -42,7 +42,7 @@ class RigidPunch:
     Raises ProblemError for anything else, and for a component of which both are given.
 
     >>> RigidPunch(force=(None, -50), moment=0, about=(0.2, 1))         # an eccentric load on a punch that may tilt
-    RigidPunch(force=(None, -50), moment=(0,), about=(0.2, 1))
+    RigidPunch(force=(None, -50.0), moment=(0.0,), about=(0.2, 1.0))
     >>> RigidPunch(force=(None, -50), displacement=(0.1, None)).dim     # pressed and dragged
     2
     """

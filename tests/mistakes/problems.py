@@ -129,7 +129,7 @@ PUNCHES = [
     (lambda _: RigidPunch(force=5), "force of a punch is 5 | 2 or 3 entries, with None | give"),
     (lambda _: RigidPunch(force=(None, "5")), "component 2 of force of a punch is '5' | a number | give"),
     (lambda _: RigidPunch(moment=(1, 2)), "moment of a punch is (1, 2) | a number in 2D and 3 entries in 3D | give"),
-    (lambda _: RigidPunch(rotation=0, about=(0, CF(1))), "about of a punch is (0, | 2 or 3 numbers | such as (0, 1)"),
+    (lambda _: RigidPunch(rotation=0, about=(0, CF(1))), "about of a punch is (0.0, | 2 or 3 numbers | such as (0, 1)"),
     (lambda _: RigidPunch(force=(None, -5), moment=(0, 0, 0)), "force: 2, moment: 3 | different dimensions | give all of them"),
     (lambda _: RigidPunch(force=(None, -5), displacement=(0, 0.1)),
      "component 2 of a punch has a force and a displacement | one of them | give"),

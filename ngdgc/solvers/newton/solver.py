@@ -11,7 +11,7 @@ import numpy as np
 from ...contact.equilibrium import Equilibrium
 from ...contracts import Array
 from ...discrete.problem import DiscreteProblem
-from ...discrete.punched import Equations, PunchedProblem
+from ...discrete.punched import Enlarged, PunchedProblem
 from ...exceptions import ProblemError
 from ...solution.history import Step
 from ...solution.solution import ContactSolution
@@ -75,7 +75,7 @@ class SemismoothNewtonSolver:
 def MakeRun(disc: DiscreteProblem, start: tuple[Array, Array] | None, tol: float) -> NewtonRun | CorrectedRun:
     """A run on a Discretization from a start, as `SemismoothNewtonSolver.Solve` takes it."""
     start = start if start is None else _Start(start, disc.contact.normals.shape)
-    equations = Equations(disc)
+    equations = Enlarged(disc)
     if isinstance(equations, PunchedProblem):
         return PunchedRun(equations, start, tol)
     return CorrectedRun(disc, start, tol) if disc.iterates else NewtonRun(disc, start, tol)

@@ -13,10 +13,10 @@ from types import ModuleType
 from typing import Any, NoReturn, cast
 
 from . import __version__
-from .commands.arguments import Commands, Finite, NumberOrAuto, Positive
+from .commands.arguments import Commands, Finite, Natural, NumberOrAuto, Positive
 from .commands.attack import AddAttack
 from .commands.bench import AddBench
-from .commands.casefiles import CaseFiles, Compared, LoadCase
+from .commands.casefiles import CaseFiles, CaseParts, Compared, LoadCase
 from .commands.caseoptions import CaseArguments
 from .commands.check import AddCheck
 from .commands.compare import AddCompare
@@ -152,6 +152,8 @@ def _AddRun(commands: Commands) -> None:
                      "paper's eta = penalty mu order^2, for bassi and brezzi the factor of the lifting term")
     run.add_argument("--order", type=Positive, help="polynomial degree of the displacement (default: the case's own)")
     run.add_argument("--n", type=Positive, help="cells per side (default: the case's own)")
+    run.add_argument("--refine", type=Natural, help="refine the mesh so often, spread over the processes of mpirun; needs "
+                     "petsc4py, see the page 'Beyond one machine'")
     run.add_argument("--plane", type=str.lower, help="stress or strain (default: the case's own)")
     run.add_argument("--cells", type=str.lower, help="triangle, triangle-flipped or quad (default: the case's own)")
     run.add_argument("--solver", default="auto", help="auto (Newton on nested meshes), newton (this mesh alone) or uzawa (the "
@@ -182,6 +184,10 @@ def Run(options: Namespace) -> int:
     from .commands.output import DrawResults, Progress, SaveResults
 
     case = LoadCase(options.case)
+    if options.refine is not None:
+        from .commands.ranks import RunSpread
+
+        return RunSpread(case, options)
     if options.history:
         return RunHistory(case, options)
     arguments = CaseArguments(options, inspect.signature(case.Main).parameters)
@@ -230,12 +236,10 @@ def Stability(options: Namespace) -> int:
     """Print what the lemmas say about a case, as far as it was computed also after Ctrl-C."""
     from .studies.stability import Constants, Study, Table, Text
 
-    case = LoadCase(options.case)
-    if not (callable(getattr(case, "Problem", None)) and callable(getattr(case, "Mesh", None))):
-        raise ProblemError(f"{options.case} has no functions Problem() and Mesh(n); write them, or give another case")
+    Problem, Mesh = CaseParts(LoadCase(options.case), options.case)
     rows: list[Constants] = []
     try:
-        study = Study(case.Problem(), case.Mesh(options.n), order=options.order, form=options.form, rows=rows, callback=Show)
+        study = Study(Problem(), Mesh(options.n), order=options.order, form=options.form, rows=rows, callback=Show)
     except BaseException:
         if rows:
             print("\n".join(Table(rows)))

@@ -20,9 +20,10 @@ from .histories.history import LoadHistory
 from .mesh.facets import Coordinates, VolumePoints
 from .solution.fields import Field, FieldOf
 from .solution.magnification import Magnification
+from .solution.pictured import Pictured
 from .solution.solution import CheckSolution, ContactSolution
 from .solution.turned import CheckTurned, DrawTurned
-from .solution.vtkfields import WriteBody, WriteContact, WriteSteps
+from .solution.vtkfields import WriteBody, WriteContact, WriteSteps, Written
 from .tools.calls import ByKeyword
 from .tools.kinds import Short
 from .tools.units import InUnits
@@ -98,7 +99,7 @@ class Scene:
 
     def __init__(self, solution: ContactSolution, *, field: Any = "displacement", scale: float | Literal["auto"] = 1,
                  turned: bool = False) -> None:
-        CheckSolution(solution)
+        solution = Pictured(solution)
         self.turned = CheckTurned(solution, turned)
         self.solution, self.scale = solution, Magnification(solution, scale)
         self.field = FieldOf(solution, field)
@@ -136,9 +137,7 @@ class Animation(Scene):
 
     def __init__(self, solutions: Sequence[ContactSolution], *, field: str = "displacement",
                  scale: float | Literal["auto"] = 1) -> None:
-        self.solutions = list(solutions)
-        for number, solution in enumerate(self.solutions, start=1):
-            CheckSolution(solution, f"solution {number}")
+        self.solutions = [Pictured(solution, f"solution {number}") for number, solution in enumerate(solutions, start=1)]
         if len(kinds := {(solution.disc.mesh.dim, _Degree(solution)) for solution in self.solutions}) != 1:
             raise ProblemError(f"an animation shows solutions of one dimension and order; given are {len(self.solutions)} with "
                                f"(dimension, order) {sorted(kinds) or 'none'}; give load steps of one Discretization")
@@ -251,7 +250,7 @@ def WriteVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
     of the file.
     """
     CheckSolution(solution)
-    return WriteBody(solution, path)
+    return Written(solution, path, WriteBody)
 
 
 @ByKeyword
@@ -266,7 +265,7 @@ def WriteContactVTK(solution: ContactSolution, path: str | PathLike[str]) -> Pat
     Path of the file.
     """
     CheckSolution(solution)
-    return WriteContact(solution, path)
+    return Written(solution, path, WriteContact)
 
 
 @ByKeyword

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import importlib
 import importlib.util
+from collections.abc import Callable
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 from ..exceptions import ProblemError
 from ..tools.names import Meant
@@ -35,6 +37,13 @@ def LoadCase(name: str) -> ModuleType:
     if not callable(getattr(module, "Main", None)):
         raise ProblemError(f"{name} has no function Main(method=..., order=..., n=...); write it, or give another case")
     return module
+
+
+def CaseParts(case: ModuleType, name: str) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """The functions Problem and Mesh of a case; ProblemError if it has none."""
+    if not (callable(getattr(case, "Problem", None)) and callable(getattr(case, "Mesh", None))):
+        raise ProblemError(f"{name} has no functions Problem() and Mesh(n); write them, or give another case")
+    return case.Problem, case.Mesh
 
 
 def Compared(values: list[tuple[str, float, float]]) -> str:

@@ -159,8 +159,13 @@ def SaveResults(solution: ContactSolution, files: Files) -> None:
         files.Write("solution/", solution.Save, precious=True)
     finally:        # also of what cannot be saved, such as a method of one's own
         _Estimate(solution)
-        files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
-        files.Text("report.txt", solution.Report())
+        SaveReport(solution, files)
+
+
+def SaveReport(solution: ContactSolution, files: Files) -> None:
+    """Write the numbers and the report."""
+    files.Text("report.json", json.dumps(solution.ToJSON(), indent=2, allow_nan=False) + "\n")
+    files.Text("report.txt", solution.Report())
 
 
 def DrawResults(solution: ContactSolution, files: Files, *, scale: float | Literal["auto"] = "auto") -> None:
@@ -168,13 +173,20 @@ def DrawResults(solution: ContactSolution, files: Files, *, scale: float | Liter
 
     With a number other than 1 the deformed body is drawn at that scale too, beside the one in real size.
     """
-    from ..export import WriteContactVTK, WriteHTML, WriteVTK
+    from ..export import WriteContactVTK, WriteVTK
+
+    files.Write("solution.vtu", partial(WriteVTK, solution))
+    files.Write("contact.vtu", partial(WriteContactVTK, solution))
+    DrawFigures(solution, files, scale=scale)
+
+
+def DrawFigures(solution: ContactSolution, files: Files, *, scale: float | Literal["auto"]) -> None:
+    """Write the page and the figures."""
+    from ..export import WriteHTML
     from ..plots import (ContactFigure, DeformedFigure, ErrorFigure, FieldFigure, HistoryFigure, LawFigure, SettingFigure,
                          ZonesFigure)
 
     files.Write("solution.html", partial(WriteHTML, solution, scale=scale))
-    files.Write("solution.vtu", partial(WriteVTK, solution))
-    files.Write("contact.vtu", partial(WriteContactVTK, solution))
     first: float | Literal["auto"] = "auto" if scale == "auto" else 1
     figures = {"setting": lambda: SettingFigure(solution.disc), "deformed": lambda: DeformedFigure(solution, scale=first),
                "contact": lambda: ContactFigure(solution), "law": lambda: LawFigure(solution),

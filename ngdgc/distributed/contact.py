@@ -13,6 +13,7 @@ from ngsolve import CoefficientFunction
 from ..contact.boundary import ContactBoundary
 from ..contact.parts import ContactPart
 from ..contracts import Array
+from ..discrete.state import ROLES
 from ..mesh.quadrature import ContactRules
 from ..problem.userlaws import UserLaw, Watched
 from ..tools import sparse as sp
@@ -70,7 +71,7 @@ class ReplicatedContact(ContactBoundary):
         return np.concatenate(self.comm.allgather(values))[self._order]
 
     def _Part(self, foundation: Any, points: slice, own: ContactPart | None) -> ContactPart:
-        laws = {role: self._Law(getattr(foundation, role), own and getattr(own, role)) for role in ("compliance", "friction")}
+        laws = {role: self._Law(getattr(foundation, role), own and getattr(own, role)) for role in ROLES}
         return ContactPart(foundation=foundation, points=points, **laws)
 
     def _Law(self, law: Any, own: Any) -> Any:

@@ -6,11 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import Mesh
 
 from ..contracts import Array
 from ..mesh.facets import Facets
+from ..mesh.simplices import SimplexMesh
 from .petsc import Largest
 from .plex import SideCorners
 
@@ -27,6 +26,8 @@ class LocalMesh:
     ----------
     mesh : ngsolve.Mesh;  points : (vertices, d)
     cells, vertices : their numbers among all ranks, ascending;  own, ownvertices : True for those of this rank
+    elements : corners (n, d + 1), ascending;  material : their numbers, from 1 on
+    sides : corners (s, d) of those of the own elements on the outside;  region : their numbers, from 1 on
     """
 
     def __init__(self, plex: Any, materials: Sequence[str], boundaries: Sequence[str], contact: Sequence[int]) -> None:
@@ -49,24 +50,11 @@ class LocalMesh:
         region = np.where(outer, _Labels(plex, "Face Sets", f0, f1), 0)
         region[outer & (region == 0)] = len(boundaries) + 1
         region[np.isin(region, np.asarray(contact) + 1) & ~owncells[inside]] = len(boundaries) + 2
-        self.mesh = self._Mesh(rank[elements][bycell], _Labels(plex, "Cell Sets", c0, c1)[bycell], materials,
-                               rank[corners], region, [*boundaries, CUT, FOREIGN])
-
-    def _Mesh(self, elements: np.ndarray, material: np.ndarray, materials: Sequence[str], sides: np.ndarray,
-              region: np.ndarray, boundaries: Sequence[str]) -> Mesh:
-        """NGSolve's mesh, turned as Netgen has it."""
-        corners = self.points[elements]
-        volume = np.linalg.det(corners[:, 1:] - corners[:, :1])
-        turned = volume > 0 if self.dim == 3 else volume < 0        # Netgen's tetrahedra are mirrored
-        elements[turned, :2] = elements[turned, 1::-1]
-        mesh = NetgenMesh(dim=self.dim)
-        mesh.AddPoints(np.pad(self.points, ((0, 0), (0, 3 - self.dim))))
-        for dim, names, parts, number in ((self.dim - 1, boundaries, sides, region), (self.dim, materials, elements, material)):
-            for index in [mesh.AddRegion(name, dim=dim) for name in names]:
-                rows = parts[number == index]
-                if len(rows):
-                    mesh.AddElements(dim=dim, index=index, data=np.ascontiguousarray(rows, dtype=np.int32), base=0)
-        return Mesh(mesh)
+        self.elements, self.material = rank[elements][bycell], _Labels(plex, "Cell Sets", c0, c1)[bycell]
+        mine = outer & owncells[inside] & (region <= len(boundaries))
+        self.sides, self.region = rank[corners[mine]], region[mine]
+        self.mesh = SimplexMesh(self.points, self.elements, self.material, materials, rank[corners], region,
+                                [*boundaries, CUT, FOREIGN])
 
 
 class LocalFacets(Facets):

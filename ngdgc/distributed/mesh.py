@@ -30,6 +30,11 @@ class DistributedMesh:
     It takes the place of a mesh in Discretization, whatever the number of ranks; a script is run by
     `mpirun -n 4 python -m mpi4py script.py`.  Regions are those of the coarse mesh.
 
+    >>> from ngdgc.distributed import DistributedMesh
+    >>> from ngdgc.meshes import BoxMesh
+    >>> DistributedMesh(BoxMesh(4), refine=2)      # doctest: +SKIP
+    DistributedMesh(24576 elements on 4 ranks)
+
     Raises ProblemError where petsc4py is not installed, and for a mesh that PETSc cannot refine.
 
     Attributes

@@ -17,7 +17,6 @@ from ..linear.equations import LinearEquations
 from ..linear.motions import ProjectedMotions
 from ..mesh.facets import Csr, Native
 from ..tools.calls import ByKeyword
-from ..tools.memory import CheckAssembly
 from .contact import NoContact, OwnContact
 from .local import LocalFacets, LocalMesh
 from .petsc import OnAll
@@ -34,21 +33,32 @@ class LocalProblem(DiscreteProblem):
     own : ContactBoundary of the own elements, or None where none is on Gamma_C
     """
 
+    contact: Any
+
     def __init__(self, problem: Any, method: Any, part: LocalMesh, order: int, areas: dict[str, float]) -> None:
         LinearEquations.__init__(self)
         self.problem, self.method, self.order, self.assembly, self.wanted = problem, method, order, "facet", "auto"
         self.part, self.areas, self.given = part, areas, part.mesh
         self.mesh, self.facets = part.mesh, LocalFacets(part, problem.frame)
-        OnAll(part.comm, lambda: CheckAssembly(self.mesh.ne, self.mesh.dim, order, discontinuous=True))
         self.space = method.Space(self.mesh, order, "")
         self.derived, self.elastic, self.memory, self.pieces = {}, {}, Memory(), {}
-        self.state, self.added = State(problem, self.mesh), AddedForms(self.space, self.facets)
-        self.own = OnAll(part.comm, lambda: OwnContact(self))
-        self.contact: Any = self.own or NoContact(self.space)
+        self.added = AddedForms(self.space, self.facets)
+        self._Read()
+
+    def _Read(self) -> None:
+        self.state = State(self.problem, self.mesh)
+        self.own = OnAll(self.part.comm, lambda: OwnContact(self))
+        self.contact = self.own or NoContact(self.space)
 
     def Whole(self, matrix: Any) -> Any:
         """NGSolve's matrix of a form and of springs."""
         return Native(Csr(matrix) + self.addedmatrix)
+
+    def PrescribedEnergy(self) -> float:
+        """The share of the own elements."""
+        own = np.flatnonzero(self.part.own)
+        with self.state.Restored():
+            return float(self.form.PrescribedEnergy(np.diff(self.facets.incidence[:, own].tocsr().indptr) > 0))
 
     @Frozen
     def tractions(self) -> dict[tuple[str, str], Any]:

@@ -2,36 +2,44 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from ..contact.memory import Memory
 from ..contracts import Array
-from ..discrete.loads import AreaOf
-from ..discrete.problem import DiscreteProblem
+from ..discrete.frozen import Twin
+from ..discrete.placed import Placed
 from ..exceptions import ProblemError
 from ..linear.equations import LinearEquations
-from ..linear.solenoidal import Swelling
 from ..solvers.newton.solver import SemismoothNewtonSolver
 from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
 from .contact import ReplicatedContact
+from .covered import CheckCovered, CheckRoom
 from .cycle import CycleInverse, NearNullSpace
-from .local import CUT, FOREIGN, LocalMesh
+from .local import LocalMesh
 from .part import LocalProblem
-from .petsc import OnFirst, Rows, Summed
+from .petsc import OnAll, OnFirst, Rows, Summed
 from .rows import RowNumbering
 from .solution import DistributedSolution
 from .subspace import DistributedSubspace
 
-STIFFEST = 49.5     # largest lam/mu, that of nu = .49: for more the continuous functions of the cycle lock
+
+class SpreadForm:
+    """What histories ask of a form, of all ranks together."""
+
+    def __init__(self, local: LocalProblem, comm: Any) -> None:
+        self.local, self.comm = local, comm
+
+    def PrescribedEnergy(self) -> float:
+        return float(Summed(self.comm, np.array(self.local.PrescribedEnergy())))
 
 
 @ByKeyword
-class DistributedProblem(LinearEquations):
+class DistributedProblem(LinearEquations, Placed):
     """What Discretization makes on a DistributedMesh; vectors are those of the own elements, contact points are those of all.
 
     Arguments as for Discretization.  Raises ProblemError, on all ranks alike, for what this storey does not cover.
@@ -42,7 +50,9 @@ class DistributedProblem(LinearEquations):
     matrix : A, PETSc's;  load : f of the own elements
     """
 
-    iterates, inversekind, reduce = True, "PETSc: cg, pcmg, gamg", DistributedSubspace
+    iterates, inversekind = True, "PETSc: cg, pcmg, gamg"
+    reduce, result, alone, symmetric, added = DistributedSubspace, DistributedSolution, True, True, ()
+    assembly, wanted = "facet", "auto"
     unresisted, resultant, prescribed, shift = None, None, 0.0, 0.0
 
     def __init__(self, problem: Any, method: Any, mesh: Any, *, order: int = 1, assembly: str = "facet",
@@ -50,14 +60,27 @@ class DistributedProblem(LinearEquations):
         super().__init__()
         self.problem, self.method, self.mesh, self.order = problem, method, mesh, order
         areas = OnFirst(mesh.comm, lambda: CheckCovered(problem, method, mesh, order, assembly, inverse))
+        OnAll(mesh.comm, lambda: CheckRoom(mesh, order))
         self.contactregions = "|".join(foundation.boundary for foundation in problem.foundation)
         regions = np.flatnonzero(list(mesh.coarse.Boundaries(self.contactregions).Mask())).tolist()
         layers = 2 if getattr(method, "globallift", True) else 1
         local = LocalMesh(mesh.Spread(layers), mesh.coarse.GetMaterials(), mesh.coarse.GetBoundaries(), regions)
         self.numbering = RowNumbering(local, order)
-        self.local = LocalProblem(problem, method, local, order, areas)
-        self.contact = ReplicatedContact(problem, self.local.own, self.numbering.dofs, mesh.dim, mesh.comm)
-        self.state, self.space = self.local.state, self.local.space
+        self._Read(LocalProblem(problem, method, local, order, areas), Memory())
+
+    def _Read(self, local: LocalProblem, memory: Memory) -> None:
+        """Take over the data as they are on this rank, and those of Gamma_C from all ranks."""
+        self.local, self.elastic, self.state, self.space = local, local.elastic, local.state, local.space
+        self.contact: Any = ReplicatedContact(self.problem, local.own, self.numbering.dofs, self.mesh.dim, self.mesh.comm)
+        self._Remember(memory)
+
+    def _Remember(self, memory: Memory) -> None:
+        """Count slip from what all contact points remember, and the own ones on their rank."""
+        self.memory, self.contact = memory, self.contact.After(*memory)
+        if self.local.own is not None:
+            self.local = Twin(self.local)
+            mine = self.contact.mine
+            self.local.contact = self.local.own.After(*(None if array is None else array[mine] for array in memory))
 
     def __getattr__(self, name: str) -> Any:
         if name.startswith("_"):    # which copies and caches look for
@@ -78,12 +101,21 @@ class DistributedProblem(LinearEquations):
         if not form.guarantee.holds:
             raise ProblemError(f"{form.guarantee.culprit} is not certain to be coercive, and on a DistributedMesh no "
                                "eigenvalue is computed; take penalty='auto'")
-        matrix = form.Matrix()
+        matrix = OnAll(self.mesh.comm, form.Matrix)
         return self.numbering.Matrix(matrix if self.local.addedmatrix is None else self.local.Whole(matrix))
 
     @cached_property
+    def loads(self) -> dict[tuple[str, str | None], Array]:
+        loads = OnAll(self.mesh.comm, lambda: self.local.loads)
+        return {name: load[self.numbering.dofs] for name, load in loads.items()}
+
+    @cached_property
     def load(self) -> Array:
-        return self.local.load[self.numbering.dofs]
+        return sum(self.loads.values(), np.zeros(self.numbering.size))
+
+    @property
+    def facetform(self) -> SpreadForm:
+        return SpreadForm(self.local, self.mesh.comm)
 
     @cached_property
     def _levels(self) -> tuple[Any, Any]:
@@ -115,6 +147,9 @@ class DistributedProblem(LinearEquations):
     def Norm(self, vector: Array) -> float:
         return float(np.sqrt(Summed(self.mesh.comm, np.array(vector @ vector))))
 
+    def Product(self, one: Array, other: Array) -> float:
+        return float(Summed(self.mesh.comm, np.array(one @ other)))
+
     @property
     def diagonal(self) -> Array:
         return self.matrix.getDiagonal().getArray().copy()
@@ -126,9 +161,21 @@ class DistributedProblem(LinearEquations):
     def Current(self) -> DistributedProblem:
         """The same with the values that Parameters have now."""
         self.state.CheckFixed()
-        if not self.state.Parameters():
+        changed = self.state.Parameters()
+        if not changed:
             return self
-        return DistributedProblem(self.problem, self.method, self.mesh, order=self.order)
+        if any(name.startswith(("material", "spring")) for name in changed):
+            return DistributedProblem(self.problem, self.method, self.mesh, order=self.order)
+        current = Twin(self)
+        for name in ("load", "loads"):
+            current.__dict__.pop(name, None)
+        current._Read(self.local.Current(), self.memory)
+        return current
+
+    def After(self, origin: Array | None, slid: Array | None = None, worn: Array | None = None) -> Any:
+        other = Twin(self)
+        other._Remember(Memory(origin, slid, worn))
+        return other
 
     def Add(self, form: Any) -> Any:
         """Forms of the user's own are assembled by NGSolve, which drops what couples elements of several ranks."""
@@ -139,34 +186,5 @@ class DistributedProblem(LinearEquations):
         """The `solution.DistributedSolution`, on every rank; callback is called on rank 0 alone."""
         if coarser is not None:
             raise ProblemError(f"coarser is {coarser!r}; on a DistributedMesh no coarser mesh predicts, leave it out")
-        solver = SemismoothNewtonSolver(tol=tol)
-        found = solver.Solve(self, callback=callback if self.mesh.comm.rank == 0 else None)     # type: ignore[arg-type]
-        return DistributedSolution(found.disc, found.vector, found.traction, history=found.history, solver=repr(solver))
-
-
-def CheckCovered(problem: Any, method: Any, mesh: Any, order: int, assembly: str, inverse: Any) -> dict[str, float]:
-    """Areas of the regions with forces; ProblemError for mistakes in the problem, seen on the coarse mesh, and for the rest."""
-    coarse = DiscreteProblem(problem, method, mesh.coarse, order=order, assembly=assembly)
-    remedy = "take an ngsolve.Mesh on one machine"
-    iterative = method.discontinuous and method.conservative and method.symmetric and method.iterative
-    wrong = {f"method {method.name}, which PETSc's cycle is not made for; take a symmetric one of Table 2": not iterative,
-             "assembly='skeleton'; take 'facet'": assembly != "facet",
-             "another inverse than 'auto'; leave it out": inverse != "auto",
-             f"joints; {remedy}": bool(problem.joints), f"rigid punches; {remedy}": coarse.contact.punches is not None,
-             f"bodies of revolution; {remedy}": problem.axisymmetric,
-             f"friction bonds with a tension; {remedy}": any(part.bond for part in coarse.contact.parts)}
-    for words, asked in wrong.items():
-        if asked:
-            raise ProblemError(f"a DistributedMesh is not for {words}")
-    coarse.restraints.Check()
-    if coarse.unresisted:
-        raise ProblemError(f"a DistributedMesh is not for a body that only its foundation holds: only contact resists "
-                           f"{coarse.unresisted}; add dirichlet, roller or spring")
-    if Swelling(problem.material, mesh.coarse) > 1 + mesh.dim * STIFFEST / 2:
-        raise ProblemError("the material is nearer to incompressible than nu = .49, for which the levels of PETSc's cycle are "
-                           f"not made; {remedy}, which has others")
-    for kind, region in problem.Regions():
-        if any(re.fullmatch(region, name) for name in (CUT, FOREIGN)):
-            raise ProblemError(f"{kind} region {region!r} also matches {CUT!r}, which the sides between ranks are called; name "
-                               "the boundaries")
-    return {region: AreaOf(problem, region, coarse.space) for region in problem.force}
+        first: Any = callback if self.mesh.comm.rank == 0 else None
+        return SemismoothNewtonSolver(tol=tol).Solve(self, callback=first)      # type: ignore[arg-type]

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,9 +17,17 @@ from ..mesh.facets import VolumePoints
 from ..mesh.quadrature import BoundaryQuadrature
 from ..solution.resultants import ElementForces, Resultant, Resultants
 from ..solution.solution import ContactSolution
+from ..solution.storage import Writing
 from ..solution.tractions import NumericalTractions
+from ..solution.vtkfields import WriteBody
+from ..solution.vtkparts import PieceName, WriteList
 from ..tools.calls import ByKeyword
-from .petsc import Largest, Summed
+from .petsc import Largest, OnAll, OnFirst, Summed
+from .picture import Picture
+from .saved import KeepParts
+
+
+ELSEWHERE = {"Along", "At", "Largest", "Moment", "Traction", "facettractions", "flux"}
 
 
 @ByKeyword
@@ -51,6 +62,7 @@ class DistributedSolution(ContactSolution):
         self._global = float(np.abs(modes.sum(axis=0)).max() / max(np.abs(modes).max(), elastic))
         self._residual = super().EquilibriumResidual()
         self._onregions = Summed(comm, _OnRegions(part, own, len(disc.mesh.coarse.GetBoundaries())))
+        self._part, self._picture = part, Picture(self)
 
     def EquilibriumResidual(self) -> float:
         return self._residual
@@ -80,12 +92,43 @@ class DistributedSolution(ContactSolution):
             raise ProblemError(f"boundary {region!r} is not on the outside, where alone forces are known; give one that is")
         return found[0], found[1], found[2]
 
-    def At(self, *point: float) -> Array:
-        raise ProblemError(f"point {point} may be on another rank; take gfu on disc.local.mesh, which has the own elements")
+    def __getattribute__(self, name: str) -> Any:
+        if name in ELSEWHERE:
+            raise ProblemError(f"{name} of a solution on a DistributedMesh would need elements of other ranks; take gfu and "
+                               "stress on disc.local.mesh, which has the own ones, or Save it and load it on one machine")
+        return super().__getattribute__(name)
 
-    def Save(self, folder: Any) -> None:
-        raise ProblemError(f"{folder} is not written: a solution on a DistributedMesh is not saved; keep ToJSON(), points and "
-                           "traction, which every rank has")
+    @cached_property
+    def picture(self) -> ContactSolution:
+        """What figures and pages show: a ContactSolution on the coarse mesh, refined to at most `picture.MOST` elements."""
+        return self._picture.Solution(self)
+
+    def Save(self, folder: str | PathLike[str]) -> None:
+        """Write a file of every rank into a folder that all of them see; all ranks have to call it.
+
+        ContactSolution.Load(folder, problem), on one machine, is the same solution on the whole mesh.  What was saved there
+        before is replaced at the end, or kept if that fails.
+        """
+        with self.state.Restored():
+            KeepParts(self, folder)
+
+    def WriteParts(self, path: str | PathLike[str], Write: Any) -> Path:
+        """The file (.pvtu) that names those of all ranks, each written by `Write` of its own elements or contact points."""
+        comm, body = self.disc.mesh.comm, Write is WriteBody
+        path = Path(path)
+        path = path.with_suffix(".pvtu") if path.suffix in (".vtu", ".pvtu") else path.with_name(path.name + ".pvtu")
+        there = comm.allgather(body or bool(len(self.disc.contact.mine)))
+
+        def WriteOwn() -> None:
+            with Writing(path.parent):
+                piece = PieceName(path, comm.rank)
+                piece.parent.mkdir(parents=True, exist_ok=True)
+                if there[comm.rank]:
+                    Write(self._part, piece, *[self.disc.local.part.own] * body)
+
+        OnAll(comm, WriteOwn)
+        with Writing(path.parent):
+            return OnFirst(comm, lambda: WriteList(path, np.flatnonzero(there).tolist()))
 
 
 def _Together(comm: Any, own: list[Resultant], problem: Any) -> list[Resultant]:

@@ -38,14 +38,14 @@ class Loading:
 
     @classmethod
     def Of(cls, disc: DiscreteProblem) -> Loading:
-        none = np.zeros(disc.space.ndof)
+        none = np.zeros(len(disc.load))
         loads = {weak: sum((load for (kind, _), load in disc.loads.items() if (kind == "prescribed") == weak), none)
                  for weak in (False, True)}
         lift = disc.prescribed if np.any(disc.prescribed) else None
         punches = disc.contact.punches
         return cls(pressed=np.zeros(0) if punches is None else punches.loads,
                    dead=loads[False], prescribed=loads[True], lift=lift, pull=None if lift is None else disc.Multiply(lift),
-                   penalty=_Penalty(disc) if np.any(loads[True]) else 0.0, gap=disc.contact.given)
+                   penalty=_Penalty(disc) if disc.Norm(loads[True]) else 0.0, gap=disc.contact.given)
 
     @property
     def load(self) -> Array:
@@ -87,7 +87,7 @@ class Instant:
 
     def Times(self, x: Array) -> float:
         """x.u of coefficients x (ndof,)."""
-        return float(x @ cast(Array, self.vector)) if self.Product is None else self.Product(x)
+        return self.disc.Product(x, cast(Array, self.vector)) if self.Product is None else self.Product(x)
 
     def Reaction(self, other: Loading) -> float:
         """What the reactions to strongly prescribed displacements do along those of a loading."""

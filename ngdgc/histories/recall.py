@@ -14,6 +14,7 @@ from ..discrete.punched import Enlarged
 from ..discrete.response import ContactResponse
 from ..solution.history import Step
 from ..solution.solution import ContactSolution
+from ..solvers.driver import SolutionOf
 from ..solvers.newton.setting import Setting
 from .loading import Loading, Instant
 from .states import LoadState
@@ -49,7 +50,7 @@ class Recall:
             vector = found.vector[:disc.space.ndof]
         increment = state.increment
         steps = [Step(1, 0.0, increment.residual, increment.solves, increment.seconds)]
-        return ContactSolution(disc, vector, traction, history=steps, solver=f"SolveHistory at time {state.time:g}")
+        return SolutionOf(disc, vector, traction, history=steps, solver=f"SolveHistory at time {state.time:g}")
 
     def Disc(self, state: LoadState) -> DiscreteProblem:
         """The discrete problem with the data of the time of a state, and slip from the state before."""

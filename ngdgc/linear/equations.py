@@ -32,6 +32,8 @@ class LinearEquations(ABC):
 
     mesh: Any
     matrix: Any
+    result: Any = None      # what makes a solution of a problem; None: ContactSolution
+    alone = False           # True: no other mesh predicts for a problem, and an iteration that is stopped leaves no solution
 
     def __init__(self) -> None:
         self.solves, self.factorisation, self.cycles = 0, 0.0, 0
@@ -67,6 +69,10 @@ class LinearEquations(ABC):
     def Norm(self, vector: Array) -> float:
         """The Euclidean norm of coefficients, or of some of them."""
         return float(np.linalg.norm(vector))
+
+    def Product(self, one: Array, other: Array) -> float:
+        """That of two vectors of coefficients."""
+        return float(one @ other)
 
     def Multiply(self, vector: Array) -> Array:
         """A x, (ndof,) -> (ndof,)."""

@@ -156,12 +156,19 @@ class FacetForm:
         return loads
 
     @Batched
-    def PrescribedEnergy(self) -> float:
-        """g_D'(Sigma + G) g_D, what the penalty of prescribed displacements is to the body at rest [stress length^d]."""
+    def PrescribedEnergy(self, counted: np.ndarray | None = None) -> float:
+        """g_D'(Sigma + G) g_D, what the penalty of prescribed displacements is to the body at rest [stress length^d].
+
+        counted : True for the facets (facets,) whose share it is; None: all
+        """
         near = self.operators.facets.On("|".join((*self.problem.dirichlet, *self.problem.roller)))
         data = self._Data()
         values = sum(data.values(), np.zeros(self.operators.facetspace.ndof))
-        return float(values @ self._Penalised(values, near)) if data else 0.0
+        penalised = self._Penalised(values, near)
+        if counted is not None:
+            dofs = [self.operators.FacetDofs(patch.facets).ravel() for patch in self.operators.FacetPatches(near & ~counted)]
+            penalised[np.concatenate([*dofs, np.zeros(0, dtype=int)])] = 0
+        return float(values @ penalised) if data else 0.0
 
     def _Penalised(self, jump: Array, near: np.ndarray) -> Array:
         """M_F^-1 (Sigma + G) jump, for a jump given by coefficients in F_h that vanishes off the facets `near`."""

@@ -12,7 +12,8 @@ from matplotlib.lines import Line2D
 from ..contracts import Array
 from ..exceptions import ProblemError
 from ..solution.magnification import Magnification
-from ..solution.solution import CheckSolution, ContactSolution
+from ..solution.pictured import Pictured
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, HideNoise, Labels, Panel, Unconverged
@@ -48,10 +49,10 @@ def ComparisonFigure(solutions: Mapping[str, ContactSolution], *, scale: float |
     if not isinstance(solutions, dict) or not solutions:
         raise ProblemError(f"solutions is {solutions!r}; give a dictionary of ContactSolutions by their labels, "
                            'such as {"IP": first, "H1": second}')
-    solutions = {str(label): solution for label, solution in solutions.items()}     # orders, say
+    # Labels may be orders, say.
+    solutions = {str(label): Pictured(solution, f"solution {str(label)!r}") for label, solution in solutions.items()}
     first = next(iter(solutions.values()))
     for label, solution in solutions.items():
-        CheckSolution(solution, f"solution {label!r}")
         if _Kind(solution) != _Kind(first):
             raise ProblemError(f"solution {label!r} has (dimension, foundations) {_Kind(solution)}, the first one "
                                f"{_Kind(first)}; compare solutions of one problem")

@@ -13,7 +13,8 @@ from matplotlib.patches import Patch
 from ..contact.graph import ZONES
 from ..contracts import Array
 from ..problem.foundation import Foundation
-from ..solution.solution import CheckSolution, ContactSolution
+from ..solution.pictured import Pictured
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from .canvas import BLUE, GREEN, PURPLE, VERMILION, WIDTH, ZONE_COLOURS, HideNoise
@@ -34,7 +35,7 @@ def ContactFigure(solution: ContactSolution, *, slip: bool = False) -> Figure:
     >>> from ngdgc.cases import example_4_2
     >>> figure = ContactFigure(example_4_2.Main(n=4))
     """
-    CheckSolution(solution)
+    solution = Pictured(solution)
     disc, contact = solution.disc, solution.disc.contact
     if disc.mesh.dim == 3:
         return ContactMaps(solution)

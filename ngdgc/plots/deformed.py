@@ -13,7 +13,8 @@ from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..mesh.facets import Coordinates
 from ..solution.magnification import Magnification
-from ..solution.solution import CheckSolution, ContactSolution
+from ..solution.pictured import Pictured
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from .canvas import RED, DrawBlock, Frame, Labels, PlaneAxes, Thickness, Unconverged
@@ -38,7 +39,7 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
     >>> from ngdgc.cases import example_4_2
     >>> figure = DeformedFigure(example_4_2.Main(n=4))
     """
-    CheckSolution(solution)
+    solution = Pictured(solution)
     scale = Magnification(solution, scale)
     disc, contact = solution.disc, solution.disc.contact
     if disc.mesh.dim == 3:

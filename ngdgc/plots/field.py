@@ -15,7 +15,8 @@ from matplotlib.tri import Triangulation
 from ..contracts import Array
 from ..exceptions import ProblemError
 from ..solution.fields import Field, FieldOf
-from ..solution.solution import CheckSolution, ContactSolution
+from ..solution.pictured import Pictured
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from ..tools.values import Vectors
@@ -52,7 +53,7 @@ def FieldFigure(solution: ContactSolution, field: Any = "vonmises", *, cut: Sequ
     >>> figure.axes[1].get_ylabel()
     'von Mises stress [stress]'
     """
-    CheckSolution(solution)
+    solution = Pictured(solution)
     disc, shown = solution.disc, FieldOf(solution, field)
     for name, value in (("cut", cut), ("view", view)):
         if value is not None and disc.mesh.dim == 2:

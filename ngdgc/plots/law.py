@@ -14,7 +14,8 @@ from ..contact.boundary import ContactBoundary
 from ..contact.graph import LEAST, ContactGraph, Distance, GraphPoint, Scales
 from ..contact.parts import ContactPart, OverParts
 from ..contracts import Array
-from ..solution.solution import CheckSolution, ContactSolution
+from ..solution.pictured import Pictured
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from .canvas import FOUNDATION_COLOURS, VERMILION, WIDTH, Panel, Unconverged
@@ -42,7 +43,7 @@ def LawFigure(solution: ContactSolution) -> Figure:
     >>> from ngdgc.cases import example_4_2
     >>> figure = LawFigure(example_4_2.Main(n=4))
     """
-    CheckSolution(solution)
+    solution = Pictured(solution)
     contact, displacement, traction = solution.disc.contact, solution.displacement, solution.traction
     distance = Distance(contact, displacement, traction).distance
     off = distance > OFF

@@ -12,7 +12,8 @@ from ..contracts import Array
 from ..exceptions import ProblemError
 from ..solution.fields import FieldOf
 from ..solution.numbers import LineEnds, LinePoints
-from ..solution.solution import CheckSolution, ContactSolution
+from ..solution.pictured import Pictured
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from .canvas import BLUE, WIDTH, Panel, Unconverged
@@ -35,7 +36,7 @@ def LineFigure(solution: ContactSolution, a: Sequence[float], b: Sequence[float]
     >>> figure.axes[0].get_ylabel()
     '$u_y$ [length]'
     """
-    CheckSolution(solution)
+    solution = Pictured(solution)
     disc, dim, shown = solution.disc, solution.disc.mesh.dim, FieldOf(solution, field)
     start, end = LineEnds(a, b, dim)
     length = float(np.linalg.norm(end - start))

@@ -13,7 +13,8 @@ from matplotlib.patches import Patch
 
 from ..contact.graph import ZONES
 from ..contracts import Array
-from ..solution.solution import CheckSolution, ContactSolution
+from ..solution.pictured import Pictured
+from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
 from ..tools.units import WithUnits
 from .canvas import WIDTH, ZONE_COLOURS, Frame, Labels, PlaneAxes, Unconverged
@@ -37,7 +38,7 @@ def ZonesFigure(solution: ContactSolution) -> Figure:
     >>> from ngdgc.cases import example_4_2
     >>> figure = ZonesFigure(example_4_2.Main(n=4))
     """
-    CheckSolution(solution)
+    solution = Pictured(solution)
     if solution.disc.mesh.dim == 3:
         return _Maps(solution)
     disc = solution.disc

@@ -11,48 +11,61 @@ import numpy as np
 from ngsolve import BilinearForm, LinearForm
 
 from ..contact.graph import Distance
-from ..contracts import Inverter
+from ..contracts import Array, Inverter
 from ..discrete.divided import OnPieces
 from ..discrete.problem import DiscreteProblem
 from ..exceptions import ProblemError
 from ..linear.choice import INVERTERS
 from ..mesh.pieces import PiecesArray, PiecesOf
 from ..methods.registry import METHODS
-from . import storage
-from .fingerprint import NAMES, SAME, Differs, Fingerprint
+from . import parts, storage
+from .fingerprint import NAMES, SAME, SHORT, Differs, Fingerprint
 from .history import Level, Step
 from .resultants import BALANCE
 
 KINDS = {"method": str, "arguments": dict, "order": int, "assembly": str, "inverse": str, "added": bool, "converged": bool,
          "solver": str, "summary": dict}
+MEMORY = "origin", "path", "worn", "pieces"
 LAW = 1e-6          # difference of a law residual and the one that was recorded, besides a thousandth of it
 
 
 def Keep(solution: Any, folder: str | PathLike[str], *, more: dict[str, Any] | None = None) -> None:
     """Write a ContactSolution, and more arrays, into a folder; ProblemError if it could not be read again."""
-    disc, method = solution.disc, solution.disc.method
-    if type(method) not in METHODS.values():
-        raise ProblemError(f"method is {method!r}, a {type(method).__name__} of your own, which a file cannot name; keep "
-                           "solution.vector and solution.traction, and make ContactSolution(disc, vector, traction) of them")
+    disc = solution.disc
     penetration, slip = solution.penetration, disc.contact.Slip(solution.displacement)
     arrays = {"vector": solution.vector, "traction": solution.traction, "penetration": penetration, "slip": slip,
-              "history": np.array([astuple(step) for step in solution.history], dtype=float).reshape(-1, 5),
-              "dofs": _Dofs(disc.space) if disc.given.levels > 1 and not method.discontinuous else np.zeros(0, dtype=int),
+              "history": StepsArray(solution.history),
+              "dofs": _Dofs(disc.space) if disc.given.levels > 1 and not disc.method.discontinuous else np.zeros(0, dtype=int),
               "origin": np.zeros((0, disc.mesh.dim)) if disc.origin is None else disc.origin,
               "path": disc.contact.path, "worn": disc.contact.worn, "pieces": PiecesArray(disc.pieces, disc.mesh.dim),
               **({} if disc.motion is None else {"motion": disc.motion}), **(more or {}),
               **dict(Fingerprint(solution, penetration, slip, np.arange(disc.space.ndof)))}
     _CheckArrays(arrays, "solution")
-    words = {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
-             "inverse": disc.wanted if isinstance(disc.wanted, str) else disc.inversekind, "added": bool(disc.added),
-             "converged": bool(solution.converged), "solver": str(solution.solver), "summary": solution.ToJSON()}
-    storage.Write(folder, disc.given, arrays, words)
+    storage.Write(folder, disc.given, arrays, Description(solution))
+
+
+def StepsArray(history: Sequence[Step]) -> Array:
+    """What a file has of the iteration, (steps, 5)."""
+    return np.array([astuple(step) for step in history], dtype=float).reshape(-1, 5)
+
+
+def Description(solution: Any) -> dict[str, Any]:
+    """What `KINDS` says of a solution; ProblemError for a method that could not be made again."""
+    disc, method = solution.disc, solution.disc.method
+    if type(method) not in METHODS.values():
+        raise ProblemError(f"method is {method!r}, a {type(method).__name__} of your own, which a file cannot name; keep "
+                           "solution.vector and solution.traction, and make ContactSolution(disc, vector, traction) of them")
+    return {"method": type(method).__name__, "arguments": asdict(method), "order": disc.order, "assembly": disc.assembly,
+            "inverse": disc.wanted if isinstance(disc.wanted, str) else disc.inversekind, "added": bool(disc.added),
+            "converged": bool(solution.converged), "solver": str(solution.solver), "summary": solution.ToJSON()}
 
 
 def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],
          inverse: str | Inverter | None) -> tuple[DiscreteProblem, dict[str, Any], dict[str, Any]]:
     """(DiscreteProblem, {name: array}, dictionary) of a folder, for a problem and forms that are compared later."""
-    mesh, arrays, words = storage.Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", "dofs", *NAMES))
+    inparts = parts.InParts(folder)
+    Read, names = (parts.ReadParts, SHORT) if inparts else (storage.Read, NAMES)
+    mesh, arrays, words = Read(folder, KINDS, ("vector", "traction", "penetration", "slip", "history", "dofs", *names))
     _CheckArrays(arrays, f"the solution in {folder}")
     kind = {method.__name__: method for method in METHODS.values()}.get(words["method"])
     if kind is None or not set(words["arguments"]) <= {field.name for field in fields(kind)}:
@@ -72,12 +85,15 @@ def Open(folder: str | PathLike[str], problem: Any, added: Sequence[Any],
     for number, form in enumerate(added):
         disc.Add(_On(disc.space, form, f"added[{number}]"))
     # What folders of version 0.2 have not.
-    *memory, pieces = (arrays.get(name, np.zeros(0)) for name in ("origin", "path", "worn", "pieces"))
+    *memory, pieces = (arrays.get(name, np.zeros(0)) for name in MEMORY)
     if pieces.size:
         if pieces.dtype != float or pieces.shape[1:] != (1 + (mesh.dim - 1) * mesh.dim,) or not np.all(np.isfinite(pieces)):
             raise ProblemError(f"the pieces in {folder} are no parts of boundary elements; give a folder as "
                                "ContactSolution.Save has left it")
         disc = OnPieces(disc, PiecesOf(pieces, mesh.dim))
+    if inparts:
+        arrays = parts.Ordered(folder, disc.contact, arrays)
+        *memory, _ = (arrays.get(name, np.zeros(0)) for name in MEMORY)
     disc = disc.After(*(array if array.size else None for array in memory))
     return disc.Moved(arrays.get("motion")), arrays, words
 
@@ -124,7 +140,7 @@ def _Dofs(space: Any) -> Any:
 def Compare(folder: str | PathLike[str], solution: Any, arrays: dict[str, Any], numbering: Any) -> None:
     """Raise ProblemError unless a solution is of the problem whose arrays were kept, and solves it as far as it claims to."""
     for name, values in Fingerprint(solution, arrays["penetration"], arrays["slip"], numbering):
-        if Differs(arrays[name], values):
+        if name in arrays and Differs(arrays[name], values):
             raise ProblemError(f"the solution in {folder} was computed with another problem: its {name} differ; "
                                "give the one it was saved with")
     disc = solution.disc

@@ -23,6 +23,7 @@ DEPTHS = np.logspace(-6, 0, 13)                 # penetrations and slips at whic
 PARTS = np.array([0.25, 0.5, 0.75, 1, 2, 4])    # and to the largest ones of the solution
 NAMES = ("points", "gaps", "loads", "energies", "pressures", "bounds", "laws", "regions", "dirichlet values", "roller values",
          "traction values", "body forces", "moduli", "added forms", "equations")
+SHORT = NAMES[:7]   # what does not depend on the numbers of elements and facets, but for the loads
 
 
 def Fingerprint(solution: Any, penetration: Array, slip: Array, numbering: Any) -> Iterator[tuple[str, Any]]:

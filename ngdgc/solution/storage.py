@@ -13,7 +13,7 @@ import json
 import os
 import reprlib
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from importlib.metadata import version
 from numbers import Integral
@@ -42,14 +42,19 @@ def Write(folder: str | PathLike[str], mesh: Mesh, arrays: dict[str, Any], descr
     if mesh.deformation is not None:
         raise ProblemError("the mesh has a deformation (SetDeformation), which its file does not keep; save solutions of "
                            "meshes whose points are where they should be")
-    words = {"format": FORMAT, **description, "ngsolve": version("ngsolve"), "secondorder": SecondOrder(mesh)}
-    # default: numpy numbers and fractions among the arguments of a method
-    words = json.loads(json.dumps(words, default=lambda value: int(value) if isinstance(value, Integral) else float(value)))
-    with _Replacing(Path(folder)) as place:
+    with Replacing(Path(folder)) as place:
         _WriteMesh(mesh, place)
         np.savez_compressed(place / FIELDS, **arrays)
-        words["digests"] = _Digests(place, words)
-        (place / WORDS).write_text(json.dumps(words, indent=2) + "\n", encoding="utf-8")
+        WriteWords(place, {**description, "secondorder": SecondOrder(mesh)}, FILES)
+
+
+def WriteWords(place: Path, description: dict[str, Any], files: Sequence[str]) -> None:
+    """Write the description beside the files, with their digests."""
+    words = {"format": FORMAT, **description, "ngsolve": version("ngsolve")}
+    # default: numpy numbers and fractions among the arguments of a method
+    words = json.loads(json.dumps(words, default=lambda value: int(value) if isinstance(value, Integral) else float(value)))
+    words["digests"] = _Digests(place, words, files)
+    (place / WORDS).write_text(json.dumps(words, indent=2) + "\n", encoding="utf-8")
 
 
 def Read(folder: str | PathLike[str], kinds: dict[str, type], names: tuple[str, ...]) -> tuple[Mesh, dict[str, Any],
@@ -58,13 +63,31 @@ def Read(folder: str | PathLike[str], kinds: dict[str, type], names: tuple[str, 
 
     kinds : {name: type} of what the dictionary must have;  names : of the arrays that there must be
     """
-    kinds = {"ngsolve": str, "secondorder": bool, "digests": dict, **kinds}
+    (arrays,), words = ReadFiles(folder, {"secondorder": bool, **kinds}, FILES, [(FIELDS, names)])
+    folder = Path(folder)
+    if words["ngsolve"] == version("ngsolve"):
+        return Mesh(str(folder / EXACT)), arrays, words
+    if words["secondorder"]:
+        raise ProblemError(f"{folder} has a mesh of second order, whose text file is incomplete: it is read by NGSolve "
+                           f"{words['ngsolve']} alone, which saved it; take that, or curve a mesh instead")
+    return Mesh(str(folder / MESH)), arrays, words
+
+
+def ReadFiles(folder: str | PathLike[str], kinds: dict[str, type], files: Sequence[str],
+              wanted: Sequence[tuple[str, tuple[str, ...]]]) -> tuple[list[dict[str, Any]], dict[str, Any]]:
+    """([{name: array}], dictionary) of a folder whose files have the digests that it states.
+
+    kinds : {name: type} of what the dictionary must have;  wanted : files of arrays, with the names that there must be
+    """
+    kinds = {"ngsolve": str, "digests": dict, **kinds}
+    tables = list[dict[str, Any]]()
     try:
         folder = Path(folder)
         words = json.loads((folder / WORDS).read_text(encoding="utf-8"))
-        with np.load(folder / FIELDS, allow_pickle=False) as fields:
-            arrays = dict(fields)
-        if not (folder / MESH).is_file():
+        for file, _ in wanted:
+            with np.load(folder / file, allow_pickle=False) as fields:
+                tables.append(dict(fields))
+        if MESH in files and not (folder / MESH).is_file():
             raise FileNotFoundError(f"{MESH} is missing")
     except Exception as error:      # whatever a damaged file leads to
         raise ProblemError(f"{folder} holds no saved solution: {' '.join(str(error).split()) or type(error).__name__}; give a "
@@ -77,62 +100,65 @@ def Read(folder: str | PathLike[str], kinds: dict[str, type], names: tuple[str, 
             there = reprlib.repr(words[name]) if name in words else "missing"
             raise ProblemError(f"{folder} holds no complete solution: {name!r} in {WORDS} is {there}, expected is "
                                f"{kind.__name__}; save it anew, with this version of ngdgc")
-    if missing := [name for name in names if name not in arrays]:
-        raise ProblemError(f"{folder} holds no complete solution: {FIELDS} has no {missing[0]!r}; save it anew, with this "
-                           "version of ngdgc")
-    found = _Digests(folder, words)
-    if changed := [name for name in FILES if found[name] != words["digests"].get(name)]:
+    if missing := [(file, name) for (file, names), arrays in zip(wanted, tables) for name in names if name not in arrays]:
+        file, name = missing[0]
+        raise ProblemError(f"{folder} holds no complete solution: {file} has no {name!r}; save it anew, with this version of "
+                           "ngdgc")
+    found = _Digests(folder, words, files)
+    if changed := [name for name in files if found[name] != words["digests"].get(name)]:
         raise ProblemError(f"{folder} is damaged: {changed[0]} is not what was saved, or not there; give a folder as "
                            "ContactSolution.Save has left it")
-    if words["ngsolve"] == version("ngsolve"):
-        return Mesh(str(folder / EXACT)), arrays, words
-    if words["secondorder"]:
-        raise ProblemError(f"{folder} has a mesh of second order, whose text file is incomplete: it is read by NGSolve "
-                           f"{words['ngsolve']} alone, which saved it; take that, or curve a mesh instead")
-    return Mesh(str(folder / MESH)), arrays, words
+    return tables, words
 
 
-def _Digests(folder: Path, words: dict[str, Any]) -> dict[str, str]:
+def _Digests(folder: Path, words: dict[str, Any], files: Sequence[str]) -> dict[str, str]:
     """{name: digest} of the files of a folder, "missing" where there is none; of the dictionary, however laid out."""
     stated = {name: value for name, value in words.items() if name != "digests"}
-    contents = {name: (folder / name).read_bytes() if (folder / name).is_file() else None for name in FILES}
+    contents = {name: (folder / name).read_bytes() if (folder / name).is_file() else None for name in files}
     contents[WORDS] = json.dumps(stated, sort_keys=True).encode()
     return {name: "missing" if content is None else hashlib.sha256(content).hexdigest() for name, content in contents.items()}
 
 
 @contextmanager
-def _Replacing(folder: Path) -> Iterator[Path]:
-    """A new folder inside `folder`, whose files move up at the end, all or none; what fails before leaves no trace."""
-    made = []
+def Writing(folder: Path) -> Iterator[None]:
+    """A time in which files are written; ProblemError where one cannot be."""
     try:
-        folder = Path(folder)
-        made = [path for path in (folder, *folder.parents) if not path.exists()]
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=folder, prefix=".saving-") as name:
-            yield Path(name)
-            _MoveUp(Path(name), folder)
-            made = []
+        yield
     except ProblemError:
         raise
     except (OSError, EOFError, TypeError, ValueError) as error:
         raise ProblemError(f"cannot save into {folder}: {getattr(error, 'strerror', None) or error}; give the name of a folder "
                            "that can be written, on a disk with room") from error
+
+
+@contextmanager
+def Replacing(folder: Path, files: Sequence[str] = FILES) -> Iterator[Path]:
+    """A new folder inside `folder`, whose files move up at the end, all or none; what fails before leaves no trace."""
+    made = []
+    try:
+        with Writing(folder):
+            made = [path for path in (folder, *folder.parents) if not path.exists()]
+            folder.mkdir(parents=True, exist_ok=True)
+            with tempfile.TemporaryDirectory(dir=folder, prefix=".saving-") as name:
+                yield Path(name)
+                _MoveUp(Path(name), folder, files)
+                made = []
     finally:
         with suppress(OSError):
             for path in made:
                 path.rmdir()
 
 
-def _MoveUp(place: Path, folder: Path) -> None:
+def _MoveUp(place: Path, folder: Path, files: Sequence[str]) -> None:
     """Move the files from `place`, a folder inside `folder`, into it; if that is interrupted, those before come back."""
-    before = [name for name in FILES if (folder / name).exists()]
+    before = [name for name in files if (folder / name).exists()]
     try:
         for name in before:
             os.replace(folder / name, place / f"before-{name}")
-        for name in FILES:
+        for name in files:
             os.replace(place / name, folder / name)
     except BaseException:
-        for name in FILES:
+        for name in files:
             if (place / f"before-{name}").exists():
                 os.replace(place / f"before-{name}", folder / name)
             elif name not in before:

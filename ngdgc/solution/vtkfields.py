@@ -19,8 +19,13 @@ from .vtkfiles import LINE, POLYGON, ElementGrid, WriteUnstructured
 SUBDIVISION = 3     # bisections of an element at most: 8 intervals along an edge
 
 
-def WriteBody(solution: Any, path: str | PathLike[str]) -> Path:
-    """The file of `export.WriteVTK`."""
+def Written(solution: Any, path: str | PathLike[str], Write: Any) -> Path:
+    """The file that `Write` makes of a solution; of one that is spread over processes, that which names a file of each."""
+    return Path(solution.WriteParts(path, Write) if hasattr(solution, "WriteParts") else Write(solution, path))
+
+
+def WriteBody(solution: Any, path: str | PathLike[str], elements: np.ndarray | None = None) -> Path:
+    """The file of `export.WriteVTK`; elements : True for those that are written (elements,), None: all."""
     disc, stress = solution.disc, SpatialStress(solution)
     degree = max(disc.order, disc.mesh.GetCurveOrder())
     grid = ElementGrid(disc.facets, 2 ** min(degree - 1, SUBDIVISION))
@@ -33,7 +38,12 @@ def WriteBody(solution: Any, path: str | PathLike[str]) -> Path:
         means[name] = grid.Means(values[name], np.column_stack(integrals))
     for arrays in (values, means):
         arrays["displacement"] = _Spatial(arrays["displacement"])
-    return WriteUnstructured(path, grid.coordinates, grid.cells, values, means | {"weights": grid.Sizes()})
+    means |= {"weights": grid.Sizes()}
+    if elements is None:
+        return WriteUnstructured(path, grid.coordinates, grid.cells, values, means)
+    used, cells, kept = grid.Of(elements)
+    return WriteUnstructured(path, grid.coordinates[used], cells, {name: array[used] for name, array in values.items()},
+                             {name: array[kept] for name, array in means.items()})
 
 
 def WriteContact(solution: Any, path: str | PathLike[str]) -> Path:

@@ -106,6 +106,14 @@ class ElementGrid:
         """Areas or volumes of the cells, (cells,)."""
         return np.concatenate([_Sizes(self.coordinates[corners[:, np.array(SIMPLICES[kind])]]) for kind, corners in self.cells])
 
+    def Of(self, elements: np.ndarray) -> tuple[np.ndarray, list[tuple[int, Any]], np.ndarray]:
+        """(points used, cells with their numbers among these, cells kept) of some elements, True in (elements,)."""
+        kept = elements[self.elements]
+        parts = np.split(kept, np.cumsum([len(corners) for _, corners in self.cells])[:-1])
+        cells = [(kind, corners[here]) for (kind, corners), here in zip(self.cells, parts) if here.any()]
+        used = np.unique(np.concatenate([corners.ravel() for _, corners in cells]))
+        return used, [(kind, np.searchsorted(used, corners)) for kind, corners in cells], kept
+
     def Means(self, values: Array, integrals: Array) -> Array:
         """Values of the cells (cells, c) that times the sizes are the integrals over the elements (elements, c).
 

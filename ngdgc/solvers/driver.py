@@ -42,6 +42,11 @@ def Current(disc: Any) -> Iterator[DiscreteProblem]:
         current.state.CheckFixed()
 
 
+def SolutionOf(disc: Any, vector: Array, traction: Array, **rest: Any) -> ContactSolution:
+    """The solution of a discrete problem: what it says, `DiscreteProblem.result`, else a ContactSolution."""
+    return (disc.result or ContactSolution)(disc, vector, traction, **rest)
+
+
 def CheckLimits(solver: Any) -> None:
     """The solver's tol and maxiter as a float and an integer; ProblemError if they are none."""
     for name, value in (("tol", PositiveNumber(solver.tol, "tol", "give a number between 0 and 1", below=1)),
@@ -76,8 +81,8 @@ def Drive(solver: Any, disc: DiscreteProblem, iterates: Iterable[Equilibrium], c
     start = time.perf_counter()
 
     def Solution(converged: bool, contracts: bool) -> ContactSolution:
-        return ContactSolution(disc.Moved(iterate.motion), iterate.vector, iterate.traction, history=history,
-                               converged=converged, solver=repr(solver), Predict=Predict if contracts else None)
+        return SolutionOf(disc.Moved(iterate.motion), iterate.vector, iterate.traction, history=history, converged=converged,
+                          solver=repr(solver), Predict=Predict if contracts else None)
 
     try:
         for number, iterate in enumerate(iterates):
@@ -102,7 +107,7 @@ def Drive(solver: Any, disc: DiscreteProblem, iterates: Iterable[Equilibrium], c
         message, contraction = Diagnose(reason or "stalled")
         raise NotConvergedError(f"{message} ({_Last(history)})", Solution(False, reason == "slow"), contraction)
     except KeyboardInterrupt as interrupt:
-        if iterate is None:
+        if iterate is None or disc.alone:
             raise
         raise SolveInterrupted(Solution(False, False)) from interrupt
 

@@ -20,7 +20,7 @@ from ..mesh.coarsening import CoarserMesh
 from ..solution.history import Level, Prediction, Step
 from ..solution.solution import ContactSolution
 from ..tools.calls import ByKeyword
-from .driver import CheckCallback, Current
+from .driver import CheckCallback, Current, SolutionOf
 from .multistart import Starts
 from .newton.paused import PausedNewton
 from .newton.solver import SemismoothNewtonSolver
@@ -71,8 +71,8 @@ class NestedNewtonSolver:
         with Current(disc) as disc:
             levels, start = self._Predict(solver, disc, callback)
             found, seconds = FromPrediction(solver, disc, start, callback)
-            return ContactSolution(found.disc, found.vector, found.traction, history=found.history, solver=repr(self),
-                                   levels=[*levels, LevelOf(disc, found.history, seconds, True)])
+            return SolutionOf(found.disc, found.vector, found.traction, history=found.history, solver=repr(self),
+                              levels=[*levels, LevelOf(disc, found.history, seconds, True)])
 
     def _Predict(self, solver: SemismoothNewtonSolver, disc: DiscreteProblem,
                  callback: Callable[[Step], object] | None) -> tuple[list[Level], tuple[Array, Array] | None]:
@@ -109,7 +109,7 @@ def FromPrediction(solver: SemismoothNewtonSolver | PausedNewton, disc: Discrete
     begin = time.perf_counter()
     failure: Any = None
     # What is tried depends on the problem, not on the time it takes: a busy machine gives the same answer.
-    others = min(STARTS, UNKNOWNS // disc.space.ndof)
+    others = min(STARTS, UNKNOWNS // disc.unknowns)
     for start in chain([prediction, None] if prediction else [None], Starts(disc, others)):
         try:
             return solver.Solve(disc, start=start, callback=callback), time.perf_counter() - begin
@@ -125,7 +125,7 @@ def _Show(Tell: Callable[[Prediction], object], unknowns: int, step: Step) -> No
 
 def LevelOf(disc: DiscreteProblem, history: Sequence[Step], seconds: float, converged: bool) -> Level:
     """The Level of a Discretization."""
-    return Level(disc.mesh.ne, disc.space.ndof, len(disc.contact.weights), len(history), disc.solves, disc.cycles,
+    return Level(disc.mesh.ne, disc.unknowns, len(disc.contact.weights), len(history), disc.solves, disc.cycles,
                  disc.factorisation, seconds, converged)
 
 
@@ -134,6 +134,8 @@ def _Coarse(disc: DiscreteProblem, meshes: Sequence[Mesh] | None) -> list[Discre
 
     Where no mesh can be made, or the data cannot be evaluated on it, order 1 on the same mesh predicts for higher orders.
     """
+    if disc.alone:
+        return []
     if meshes is not None:
         return [Coarser(disc, mesh, disc.order) for mesh in meshes]
     mesh, points = disc.given, len(disc.contact.weights)

@@ -27,13 +27,16 @@ CONTROL = Path("/sys/fs/cgroup"), Path("/proc/self/cgroup")
 GROUPS = ("memory.limit_in_bytes", "memory.usage_in_bytes"), ("memory.max", "memory.current")
 
 
-def FreeMemory() -> float:
+def FreeMemory(sharing: int = 1) -> float:
     """Bytes that this process may still take: what is free, and what limits of the process and of its control groups leave.
+
+    sharing : processes of this machine that will take as much
 
     >>> FreeMemory() > 0
     True
     """
-    return max(0.0, min(psutil.virtual_memory().available, *_OfProcess(), *_OfGroups(*CONTROL)))
+    ofall = [psutil.virtual_memory().available, *_OfGroups(*CONTROL)]
+    return max(0.0, min([min(ofall) / sharing, *_OfProcess()]))
 
 
 def _OfProcess() -> Iterator[float]:
@@ -73,10 +76,10 @@ def _Reclaimable(path: Path) -> float:
     return sum(int(line.split()[1]) for line in lines if line.startswith("inactive_file "))
 
 
-def CheckMemory(needed: float, what: str, remedy: str) -> None:
-    """Raise ProblemError if something needs more bytes than are free."""
+def CheckMemory(needed: float, what: str, remedy: str, sharing: int = 1) -> None:
+    """Raise ProblemError if something needs more bytes than are free; sharing : as for `FreeMemory`."""
     # Limits are in files, which take longer to read than a small matrix to factorise.
-    free = FreeMemory() if needed > TRIFLE else psutil.virtual_memory().available
+    free = FreeMemory(sharing) if needed > TRIFLE else psutil.virtual_memory().available
     if needed > free:
         raise ProblemError(f"{what} would take about {needed / GIGABYTE:.3g} GB, and {free / GIGABYTE:.1f} GB are free; "
                            f"take {remedy}a coarser mesh or a lower order")
@@ -88,14 +91,19 @@ def CheckCells(elements: float) -> None:
 
 
 def CheckAssembly(elements: int, dim: int, order: int, *, discontinuous: bool) -> None:
-    """Raise ProblemError for a matrix that would not fit while it is assembled.
+    """Raise ProblemError for a matrix that would not fit while it is assembled."""
+    _CheckLarge(AssemblyBytes(elements, dim, order, discontinuous=discontinuous),
+                f"the matrix of {elements} elements of order {order}")
+
+
+def AssemblyBytes(elements: float, dim: int, order: int, *, discontinuous: bool) -> float:
+    """Bytes of a matrix while it is assembled.
 
     Counted as on simplices, which have the fewest unknowns: each of a discontinuous method's couples to those of its own
     element and of dim + 1 neighbours, each of a continuous one's at least to those of its own.
     """
     own = dim * comb(order + dim, dim)
-    entries = elements * own * own * (dim + 2) if discontinuous else elements * dim * order ** dim / 2 * own
-    _CheckLarge(ENTRY * entries, f"the matrix of {elements} elements of order {order}")
+    return ENTRY * (elements * own * own * (dim + 2) if discontinuous else elements * dim * order ** dim / 2 * own)
 
 
 def _CheckLarge(needed: float, what: str) -> None:

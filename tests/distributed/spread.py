@@ -10,8 +10,8 @@ from zlib import crc32
 import numpy as np
 import scipy.sparse as sp
 from mpi4py import MPI
-from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import BND, CF, Mesh, x
+from ngsolve import CF, x
+from whole import Order, Whole
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    InteriorPenalty, NormalCompliance, ProblemError, SemismoothNewtonSolver)
@@ -39,44 +39,6 @@ def Coarse(dim):
     return BoxMesh(2) if dim == 3 else RectangleMesh(3)
 
 
-def Whole(local):
-    """On rank 0 the mesh of all ranks, its elements and vertices with the numbers that they have there; else None."""
-    mesh, elements = local.mesh, Facets(local.mesh).vertices
-    names = list(mesh.GetBoundaries())
-    sides = [(side.index, tuple(sorted(int(local.vertices[v.nr]) for v in side.vertices)))
-             for side in mesh.Elements(BND) if side.mat not in ("between ranks", "of another rank")]
-    parts = COMM.gather((local.cells[local.own], local.vertices[elements[local.own]], local.vertices, local.points, sides,
-                         names))
-    if COMM.rank:
-        return None
-    order = np.argsort(np.concatenate([part[0] for part in parts]))
-    cells = np.sort(np.concatenate([part[1] for part in parts])[order], axis=1)
-    points = np.zeros((max(part[2].max() for part in parts) + 1, 3))
-    for part in parts:
-        points[part[2], :local.dim] = part[3]
-    corners = points[cells, :local.dim]
-    volume = np.linalg.det(corners[:, 1:] - corners[:, :1])
-    turned = volume > 0 if local.dim == 3 else volume < 0
-    cells[turned, :2] = cells[turned, 1::-1]
-    whole = NetgenMesh(dim=local.dim)
-    whole.AddPoints(points)
-    longest = max((part[5] for part in parts), key=len)
-    regions = [whole.AddRegion(name, dim=local.dim - 1) for name in longest]
-    body = whole.AddRegion("body", dim=local.dim)
-    for number, region in enumerate(regions):
-        rows = sorted({corner for part in parts for index, corner in part[4] if index == number})
-        if rows:
-            whole.AddElements(dim=local.dim - 1, index=region, data=np.array(rows, dtype=np.int32), base=0)
-    whole.AddElements(dim=local.dim, index=body, data=cells.astype(np.int32), base=0)
-    return Mesh(whole)
-
-
-def Order(dim, elements, functions):
-    """For each entry in the numbering of all ranks its dof in NGSolve's, with these numbers of elements and of functions."""
-    element, component, function = np.indices((elements, dim, functions))
-    return ((component * elements + element) * functions + function).ravel()
-
-
 def Rows(dim):
     """{method: largest difference of matrix and load to those of one process, relative}, also without halves at cuts."""
     found, problem = {}, Problem(dim)
@@ -88,7 +50,7 @@ def Rows(dim):
         starts, columns, values = disc.matrix.getValuesCSR()
         LocalFacets.interior = inner
         parts, loads = COMM.gather((starts, columns, values)), COMM.gather(disc.load)
-        whole = Whole(disc.numbering.local)
+        whole = Whole(disc.numbering.local, COMM)
         if COMM.rank == 0:
             serial = Discretization(problem, method, whole, order=order)
             place = Order(dim, whole.ne, disc.numbering.functions)
@@ -109,7 +71,7 @@ def Solution(dim):
         solution = disc.Solve()
         same = len({crc32(part) for part in COMM.allgather(solution.traction.tobytes() + solution.zones.tobytes())}) == 1
         without = COMM.allgather(len(disc.contact.mine)).count(0)
-        vectors, whole = COMM.gather(solution.vector), Whole(disc.numbering.local)
+        vectors, whole = COMM.gather(solution.vector), Whole(disc.numbering.local, COMM)
         if COMM.rank == 0:
             serial = SemismoothNewtonSolver(tol=1e-11).Solve(Discretization(problem, method, whole, order=order))
             u = serial.vector[Order(dim, whole.ne, disc.numbering.functions)]

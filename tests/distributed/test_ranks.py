@@ -5,14 +5,18 @@ Every run has a time limit: ranks that wait for each other for ever fail.
 
 import json
 import os
+import re
+import signal
 import subprocess
 import sys
 from functools import cache
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-SCRIPT = Path(__file__).with_name("spread.py")
+FOLDER = Path(__file__).parent
+pytestmark = pytest.mark.slow
 LIMIT = 300         # seconds; a run takes some 5 alone
 ROUNDOFF = 1e-13    # of a row: the order of sums
 SOLVED = 1e-8       # of solutions, both to a law residual of 1e-10 on a soft foundation
@@ -22,16 +26,28 @@ SETTING = {"OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
            "OMP_NUM_THREADS": "1"}
 
 
+def Started(ranks, *words, cwd=None):
+    """(exit code, output, errors) of a script on several ranks; all of them are ended if they take too long."""
+    run = subprocess.Popen(["mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", *map(str, words)], text=True, cwd=cwd,
+                           stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+                           env={**os.environ, **SETTING})
+    try:
+        output, errors = run.communicate(timeout=LIMIT)
+    except subprocess.TimeoutExpired:
+        os.killpg(run.pid, signal.SIGKILL)
+        raise
+    return run.returncode, output, errors
+
+
 @cache
 def Run(ranks, *words):
-    return subprocess.run(["mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", SCRIPT, *words], capture_output=True,
-                          text=True, timeout=LIMIT, env={**os.environ, **SETTING})
+    return Started(ranks, FOLDER / "spread.py", *words)
 
 
 def Numbers(ranks, *words):
-    done = Run(ranks, *words)
-    assert done.returncode == 0, done.stderr[-3000:]
-    return json.loads(done.stdout.splitlines()[-1])
+    code, output, errors = Run(ranks, *words)
+    assert code == 0, errors[-3000:]
+    return json.loads(output.splitlines()[-1])
 
 
 @pytest.mark.parametrize("ranks, dim", [(2, "2"), (3, "3")])
@@ -58,7 +74,48 @@ def test_a_rank_without_contact_takes_part():
 
 def test_ranks_fail_together():
     """A mistake is told by all ranks in the same words; where one rank fails by itself none waits for it."""
-    done = Run(2, "together")
-    words = [line for line in done.stdout.splitlines() if line.startswith("words")]
-    assert done.returncode != 0 and "rank 1 has failed" in done.stderr
+    code, output, errors = Run(2, "together")
+    words = [line for line in output.splitlines() if line.startswith("words")]
+    assert code != 0 and "rank 1 has failed" in errors
     assert len(words) == 2 and len(set(words)) == 1 and "take 'facet'" in words[0]
+
+
+@pytest.fixture(scope="module")
+def carried(tmp_path_factory):
+    """(what carried.py prints, the folder into which it has written)"""
+    folder = tmp_path_factory.mktemp("carried")
+    code, output, errors = Started(3, FOLDER / "carried.py", folder)
+    assert code == 0, errors[-3000:]
+    return json.loads(output.splitlines()[-1]), folder
+
+
+def test_a_part_from_cad_is_led_along_loads_saved_and_drawn(carried):
+    """Two foundations, three zones, wear; what is read on one machine, and the picture, are the solution of one process."""
+    found, folder = carried
+    off = {name: value for name, value in found.items() if isinstance(value, float)}
+    assert len(off) == 13 and max(off.values()) < SOLVED, off
+    assert found["same"] and min(found["zones"].values()) > 0 and found["without contact"] == []
+    assert sorted(path.name for path in folder.iterdir()) == [
+        "body", "body.pvtu", "contact", "contact.pvtu", "figure-0.png", "figure-1.png", "last", "page.html", "saved"]
+    assert sorted(path.name for path in (folder / "saved").iterdir()) == [
+        "fields.npz", "rank-0000.npz", "rank-0001.npz", "rank-0002.npz", "solution.json"]
+
+
+def test_files_of_all_ranks_hold_the_whole(carried):
+    """Areas and lengths of the pieces that the lists name add up, and each cell is in one of them."""
+    found, folder = carried
+    for name, whole, cells in (("body", 1.5, found["elements"][1] * 4), ("contact", 3.0, None)):
+        text = (folder / f"{name}.pvtu").read_text()
+        pieces = [folder / source for source in re.findall(r'<Piece Source="(.*?)"/>', text)]
+        weights = [Field(piece, "weights") for piece in pieces]
+        assert sum(map(np.sum, weights)) == pytest.approx(whole, rel=1e-12)
+        assert cells is None or sum(map(len, weights)) == cells
+        assert 'Name="displacement" NumberOfComponents="3"' in text
+
+
+def Field(path, name):
+    """A field of one component of a VTK file."""
+    head, data = path.read_bytes().split(b'<AppendedData encoding="raw">\n_')
+    start = int(re.search(rf'Name="{name}" NumberOfComponents="1" format="appended" offset="(\d+)"', head.decode()).group(1))
+    size = int(np.frombuffer(data[start:start + 4], "<u4")[0])
+    return np.frombuffer(data[start + 4:start + 4 + size], "<f8")

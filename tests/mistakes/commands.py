@@ -5,6 +5,7 @@ from unittest.mock import patch
 
 from ngdgc import cli
 from ngdgc.commands.check import Looker
+from ngdgc.commands.ranks import CheckOptions
 from ngdgc.studies.atlas import solvers as atlas
 from ngdgc.cases import example_4_1
 
@@ -74,6 +75,8 @@ COMMANDS = [
     (Changed("return solver.Solve(disc, callback=callback)", "pass"),
      "returned NoneType | ContactSolution | let it return what the solver"),
     (WithoutProblem, "case.py has no functions | Problem() and Mesh(n) | write them"),
+    (lambda _: CheckOptions(cli._Parser().parse_args("run example_4_2 --refine 1 --error 0.1".split())),
+     "--error does not go with --refine | spreads the mesh over processes | leave one of them out"),
     (Led(""), "case.py has no function History(method= | what SolveHistory returns | leave --history out"),
     (Led("def History(*, callback=None):\n    pass\n"), "History of | has no keyword 'method' | needs method and callback"),
     (Led("def History(*, method, callback):\n    pass\n"), "returned NoneType | a LoadHistory | what SolveHistory returns"),

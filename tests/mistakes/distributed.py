@@ -16,6 +16,7 @@ from ngdgc.distributed.problem import DistributedProblem
 from ngdgc.distributed.solution import DistributedSolution
 from ngdgc.meshes import BoxMesh, RectangleMesh
 from ngdgc.methods.guarantee import Guarantee
+from ngdgc.solution.parts import Ordered
 
 
 class Lone:
@@ -59,6 +60,12 @@ def Failing():
     raise ProblemError("the matrix of this rank would take 9 GB, and 1 GB is free; take more ranks")
 
 
+def Moved():
+    problem = ContactProblem(HookeMaterial(E=1, nu=0.3), Foundation("bottom", NormalCompliance(1)), dirichlet={"top": (0, 0)})
+    contact = Discretization(problem, LDG(), RectangleMesh(2)).contact
+    Ordered("here", contact, {"points": contact.coordinates + 1e-3})
+
+
 def NotSolved():
     inverse = Made(CycleInverse, iterations=0, _ksp=MagicMock(), _load=MagicMock(), _solution=MagicMock())
     inverse._ksp.getIterationNumber.return_value, inverse._ksp.getConvergedReason.return_value = 500, -3
@@ -90,8 +97,8 @@ DISTRIBUTED = [
     (lambda _: NotSolved(), "conjugate gradients | 1.0e-11 in 500 steps | take another mesh"),
     (lambda _: ELSEWHERE.Force("top", material="a"), "material is 'a' | parts of the body are not known | leave it out"),
     (lambda _: ELSEWHERE.Mean("top"), "boundary 'top' is not | where alone forces are known | give one that is"),
-    (lambda _: ELSEWHERE.At(0.5, 0.5), "point (0.5, 0.5) | another rank | take gfu"),
-    (lambda _: ELSEWHERE.Save("here"), "here is not written | is not saved | keep ToJSON()"),
+    (lambda _: ELSEWHERE.At(0.5, 0.5), "At of a solution on a DistributedMesh | elements of other ranks | take gfu"),
+    (lambda _: Moved(), "the solution in here was computed with another problem | its points differ | give the one"),
 ]
 
 

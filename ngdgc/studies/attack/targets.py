@@ -37,7 +37,8 @@ MODULES = ("ngdgc", "ngdgc.meshes", "ngdgc.exact", "ngdgc.traces", "ngdgc.errors
 # They take what the studies return.
 STUDIES = "AtlasFigure", "GrowthFigure", "ConvergenceFigure", "AccuracyFigure", "LockingFigure", "SweepFigure", "LiftingBounds"
 # What solvers and discretisations call of each other, with arguments of their own making.
-CONTRACTS = ("Space", "ScalarSpace", "Form", "MakeInverse", "Factorise", "ApplyInverse", "Iterate", "CheckData", "Current")
+CONTRACTS = ("Space", "ScalarSpace", "Form", "MakeInverse", "Factorise", "ApplyInverse", "Iterate", "CheckData", "Current",
+             "Product")
 
 
 def Public() -> dict[str, tuple[Any, str]]:

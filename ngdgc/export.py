@@ -191,7 +191,7 @@ def _Page(states: Any, solution: ContactSolution, field: Field, scale: float, la
     from webgui_jupyter_widgets.html import GenerateHTML
 
     disc = solution.disc
-    words = InUnits(f"{field.plain} {field.unit}".strip(), disc.problem.units)
+    words = InUnits(f"{field.plain} {field.unit}".strip(), disc.problem.units) + states[-1].get("cut", "")
     title = f"Displacement {words}" if field.name == "displacement" else words
     caption = f"{title}: {disc.method.name}, order {disc.order}, {disc.mesh.ne} elements"
     if not solution.converged:
@@ -244,10 +244,9 @@ def WriteVTK(solution: ContactSolution, path: str | PathLike[str]) -> Path:
     `stress`, the 9 components row by row [stress], and `vonmises` [stress], both with the out-of-plane stress of the plane
     state.  The same fields of the cells are means: times areas or volumes of the cells, as in ParaView's Integrate Variables
     or pyvista's `integrate_data`, they are the integrals over every element, also where it is curved; `weights` are these
-    sizes [length^d].
+    sizes [length^d].  Of a body of revolution they are volumes around, for which that holds; its `stress` is in r, z, theta.
     Elements are bisected order - 1 times, at most three times, as VTK draws linearly; pyramids are
-    written as two tetrahedra.  `path` with or without its suffix; returns the Path
-    of the file.
+    written as two tetrahedra.  `path` with or without its suffix; returns the Path of the file.
     """
     CheckSolution(solution)
     return Written(solution, path, WriteBody)

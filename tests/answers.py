@@ -129,6 +129,8 @@ WRONG = {
     "08.3": [(lambda q, k, gamma: k * q / (k + gamma), "does not pull"),
              (lambda q, k, gamma: np.maximum(q, 0), "infinite stiffness"),
              (lambda q, k, gamma: np.maximum(q, 0) / (k + gamma), "penetration")],
+    "08.5": [(lambda p, r, weights: np.sum(weights * p), "roller"), (lambda p, r, weights: np.sum(weights * p * r), "wedge"),
+             (lambda p, r, weights: np.pi * np.sum(weights * p * r), "circumference")],
     "08.4": [(("b", 1), "second line"), (("c", 3), "finest meshes"), (("a", 2), "energy error")],
     "09.1": [(lambda E, nu: E * nu / (1 - nu**2), "plane stress"), (lambda E, nu: E * nu / (1 - 2 * nu), "1 + nu is missing"),
              (lambda E, nu: E / (3 - 6 * nu), "bulk modulus")],

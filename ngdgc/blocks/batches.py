@@ -16,6 +16,7 @@ from ..problem.materials import AnisotropicMaterial, HookeMaterial
 from ..tools.parallel import Cached
 from .elements import Batches, Equal
 from .integrals import ElementGroup
+from .revolved import RevolvedGroup
 
 
 @dataclass(frozen=True)
@@ -95,8 +96,9 @@ class Patches:
         for count in np.unique(counts):
             elements = np.flatnonzero(counts == count)
             numbers = facets.ofelements[facets.starts[elements][:, None] + np.arange(SIDES[self.dim][count])]
-            yield ElementGroup(self.mesh, self.material, TYPES[self.dim][count], elements, nodes[elements, :count], numbers,
-                               rollers[numbers], self.order, self.liftorder, extra, facets.frame)
+            Group = RevolvedGroup if facets.frame.revolved else ElementGroup
+            yield Group(self.mesh, self.material, TYPES[self.dim][count], elements, nodes[elements, :count], numbers,
+                        rollers[numbers], self.order, self.liftorder, extra + facets.frame.bonus)
 
     def _TabulateSides(self) -> None:
         """The sides of the elements, sorted by facet and element, as arrays; and where the sides of a facet begin."""

@@ -6,15 +6,13 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
-from ngsolve import ET, VOL, IntegrationRule, Mesh, specialcf, x
+from ngsolve import ET, VOL, IntegrationRule, Mesh, specialcf
 
 from ..contracts import Array
 from ..mesh.facets import REFERENCE_VERTICES, VOLUME_TYPES, Curved, VolumePoints
-from ..problem.frames import CARTESIAN, Cartesian
 from ..problem.materials import AnisotropicMaterial, HookeMaterial, StiffnessAt
 from ..tools.parallel import Cached
 from .reference import Reference, ReferenceElement, Shapes
-from .revolved import Revolved
 
 if TYPE_CHECKING:       # of Python 3.11
     from typing import Self
@@ -28,37 +26,38 @@ class GroupGeometry:
     elements (n,) numbers;  facets (n, s) numbers in NGSolve's local order;  rollers (n, s) True where a facet couples normal
     parts only;  vertices (n, corners) numbers;  order k;  liftorder l;  extra : degrees of quadrature beyond products of two
     functions of V_h or Q_h
-    uniform : True if neither geometry nor C varies in any element;  directions : of the derivatives in a strain
+    uniform : True if neither geometry nor C varies in any element
     """
 
     def __init__(self, mesh: Mesh, material: HookeMaterial | AnisotropicMaterial, et: ET, elements: np.ndarray,
                  vertices: np.ndarray, facets: np.ndarray, rollers: np.ndarray, order: int, liftorder: int,
-                 extra: int = 0, frame: Cartesian = CARTESIAN) -> None:
-        self.et, self.dim, self.directions = et, mesh.dim, 3 if frame.revolved else mesh.dim
+                 extra: int = 0) -> None:
+        self.et, self.dim = et, mesh.dim
         self.elements, self.facets, self.rollers = elements, facets, rollers
         self._kind, self._chosen = np.zeros(len(elements), dtype=np.int16), cast(Any, slice(None))      # or rows
         self._shapes: list[ReferenceElement] = []
         for kind, (rank, rows) in enumerate(_ByOrder(vertices)):
             self._kind[rows] = kind
-            self._shapes.append(Reference(et, rank, order, liftorder, material.bonus + extra + frame.bonus, frame.revolved))
+            self._shapes.append(Reference(et, rank, order, liftorder, material.bonus + extra))
         self.reference = self._shapes[0]
         affine = self._AffineMaps(mesh, vertices)
         points = []
-        if affine is None or material.bonus or frame.revolved:
+        if affine is None or material.bonus:
             every: list[Shapes] = [self.reference, *self.reference.facets]
             points = [self.MeshPoints(mesh, shapes) for shapes in every]
         self._geometry = self._Geometries(affine, points)
         self._boundary = self._Boundaries()
         self._stiffness = self._Stiffnesses(mesh, material, points)
-        if frame.revolved:
-            radii = [np.asarray(x(at.ravel())).reshape(at.shape) for at in points]
-            self._geometry, self._boundary, self._stiffness = Revolved(radii, self._geometry, self._boundary, self._stiffness)
-        self.uniform = not frame.revolved and affine is not None and all(C.shape[1] == 1 for C in self._stiffness)
+        self.uniform = affine is not None and all(C.shape[1] == 1 for C in self._stiffness)
+        self._Finish(mesh, vertices, points)
+
+    def _Finish(self, mesh: Mesh, vertices: np.ndarray, points: Sequence[np.ndarray]) -> None:
+        """What a frame makes of geometry and C; points (n, q) of the element and its sides where something varies in it."""
 
     def Part(self, rows: np.ndarray) -> Self:
         """Some of these elements, given by their rows; what is computed for them lives as long as the part."""
         part = object.__new__(type(self))
-        part.et, part.dim, part.directions, part.uniform, part._chosen = self.et, self.dim, self.directions, self.uniform, rows
+        part.et, part.dim, part.uniform, part._chosen = self.et, self.dim, self.uniform, rows
         part._shapes, part.reference, part._geometry, part._boundary, part._stiffness = (
             self._shapes, self.reference, self._geometry, self._boundary, self._stiffness)
         part.elements, part.facets, part.rollers, part._kind = (
@@ -143,8 +142,13 @@ class GroupGeometry:
         """C_ijkl at the points of the element and of its sides, (n or 1, q or 1, i, j, k, l) each [stress]."""
         if material.bonus == 0:
             anywhere = VolumePoints(mesh, 0)[:1]
-            return [StiffnessAt(material, anywhere, self.directions)[None]] * (1 + len(self.sides))
-        return [_AtPoints(at, StiffnessAt(material, at.ravel(), self.directions)) for at in points]
+            return [StiffnessAt(material, anywhere, self._directions)[None]] * (1 + len(self.sides))
+        return [_AtPoints(at, StiffnessAt(material, at.ravel(), self._directions)) for at in points]
+
+    @property
+    def _directions(self) -> int:
+        """Of the strains that C is for."""
+        return self.dim
 
     def Geometry(self, number: int = 0) -> tuple[Array, Array]:
         """(G, volume) of the element (0) or of side number - 1."""
@@ -152,8 +156,11 @@ class GroupGeometry:
         return G[self._chosen], volume[self._chosen]
 
     def Stiffness(self, number: int = 0) -> Array:
-        C = self._stiffness[number]
-        return C if len(C) == 1 else C[self._chosen]
+        return self._Chosen(self._stiffness[number])
+
+    def _Chosen(self, values: Array) -> Array:
+        """Values (n or 1, ...) of the elements of this part."""
+        return values if len(values) == 1 else values[self._chosen]
 
     def _Boundaries(self) -> list[tuple[Array, Array]]:
         """[(normal (n, q, j), measure (n, q))] of the sides."""
@@ -168,11 +175,6 @@ class GroupGeometry:
         """(normal (n, q, j), measure (n, q)) of side s."""
         n, measure = self._boundary[s]
         return n[self._chosen], measure[self._chosen]
-
-    def _Directed(self, vectors: Array) -> Array:
-        """Vectors (n, q, d) with a component for every direction, (n, q, directions)."""
-        missing = self.directions - self.dim
-        return np.pad(vectors, ((0, 0), (0, 0), (0, missing))) if missing else vectors
 
     def _Transmitted(self, s: int) -> Array | None:
         """P_ij (n, q, i, j) on side s: n n' on rollers, which transmit the normal part only, else the identity, or None."""

@@ -51,12 +51,11 @@ class ReferenceElement:
     """Scalar shape functions of V_h (order k), Q_h (order l) and F_h (order k) on a reference element.
 
     et : element type;  rank : order of its global vertex numbers, a permutation of 0, 1, ...
-    valued : True if the last of the gradients of V_h are the values, for the hoop strain (`revolved` module)
-    points (q, 3), weights (q,), dv (q, m, a), p (q, p);  facets : FacetShapes in NGSolve's local order
+    points (q, 3), weights (q,), v (q, a), dv (q, m, a), p (q, p);  facets : FacetShapes in NGSolve's local order
     constant : True if all gradients are constant;  mesh : NGSolve's mesh of one element
     """
 
-    def __init__(self, et: ET, rank: np.ndarray, order: int, liftorder: int, bonus: int, valued: bool) -> None:
+    def __init__(self, et: ET, rank: np.ndarray, order: int, liftorder: int, bonus: int) -> None:
         self.dim = 2 if et in (ET.TRIG, ET.QUAD) else 3
         self._vertices = np.array(REFERENCE_VERTICES[et], dtype=float).reshape(len(rank), -1)
         self.mesh = mesh = self._Mesh(et, rank)
@@ -65,8 +64,7 @@ class ReferenceElement:
         self.points, self.weights = _Points(rule)
         spaces = L2(mesh, order=order), L2(mesh, order=liftorder)
         v, p = (space.GetFE(ElementId(VOL, 0)) for space in spaces)
-        self.valued = valued
-        self.dv, self.p = self._Derivatives(v, self.points), Values(p, self.points)
+        self.v, self.dv, self.p = Values(v, self.points), Gradients(v, self.points, self.dim), Values(p, self.points)
         traces = FacetFESpace(mesh, order=order)
         numbers = [facet.nr for facet in mesh[ElementId(VOL, 0)].facets]
         facets = {}
@@ -98,21 +96,16 @@ class ReferenceElement:
         inside = VertexFunctions(element.type, points[:, 0], points[:, 1]) @ corners
         inside = np.pad(inside, ((0, 0), (0, 3 - inside.shape[1])))
         return FacetShapes(inside, weights, ReferenceNormal(corners, self._vertices.mean(axis=0), self.dim), Values(v, inside),
-                           self._Derivatives(v, inside), Values(p, inside), Values(mu, points))
-
-    def _Derivatives(self, v: Any, points: Array) -> Array:
-        """(q, m, a)"""
-        gradients = Gradients(v, points, self.dim)
-        return np.concatenate([gradients, Values(v, points)[:, None]], axis=1) if self.valued else gradients
+                           Gradients(v, inside, self.dim), Values(p, inside), Values(mu, points))
 
 
 Shapes = ReferenceElement | FacetShapes
 
 
 @lru_cache(maxsize=256)
-def Reference(et: ET, rank: tuple[int, ...], order: int, liftorder: int, bonus: int, valued: bool = False) -> ReferenceElement:
+def Reference(et: ET, rank: tuple[int, ...], order: int, liftorder: int, bonus: int) -> ReferenceElement:
     """The ReferenceElement of these arguments, `rank` as a tuple; made once."""
-    return ReferenceElement(et, np.array(rank), order, liftorder, bonus, valued)
+    return ReferenceElement(et, np.array(rank), order, liftorder, bonus)
 
 
 def _Points(rule: IntegrationRule) -> tuple[Array, Array]:

@@ -1,69 +1,153 @@
-"""Elements of a body of revolution: what its frame makes of geometry, measures and C at quadrature points.
+"""Elements of a body of revolution: those of its section, with the weight 2 pi r in every integral, and the hoop strain u_r/r.
 
-The hoop strain u_r/r is treated as one more derivative.  Beside the reference gradients d_1 phi, d_2 phi stands the value phi
-as d_3 phi, and G_33 = 1/r beside the Jacobian's inverse: with directions j, l in (r, z, theta) and components i, k in (r, z),
+With T_ij = C_ijtt, H = C_tttt and what C does in the plane alone, integrals over the section,
 
-    G_tl d_t u_k  =  [ d_r u_r   d_z u_r   u_r/r ]        of which C_ijkl, the derivative in direction theta of u_r standing for
-                     [ d_r u_z   d_z u_z   u_z/r ]        the entry (theta, theta), uses all but the last one.
+    int C eps(u):eps(v)  =  int C grad u:grad v 2 pi r + int 2 pi (T:grad u v_r + u_r T:grad v) + int H u_r v_r 2 pi/r
+    int C eps(u) n.mu    =  int C grad u n.mu 2 pi r + int 2 pi u_r T n.mu
 
-Measures contain 2 pi r, so that every integral of the blocks is one over the body.
+Only the last term of the first line is no polynomial.  Where elements are affine and C is constant in them r is of degree 1 and
+nothing else varies: then measures are given at the vertices of an element, in place of its quadrature points, and what has no
+r in it at one point.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
+from ngsolve import Mesh, x
 
 from ..contracts import Array
+from ..mesh.facets import REFERENCE_VERTICES
 from ..problem.frames import AXIS, TURN
+from .integrals import ElementGroup
+from .reference import ReferenceElement, Shapes
 
-Pair = tuple[Array, Array]
-
-
-def Revolved(radii: Sequence[Array], geometry: Sequence[Pair], boundary: Sequence[Pair],
-             stiffness: Sequence[Array]) -> tuple[list[Pair], list[Pair], list[Array]]:
-    """(geometry, boundary, stiffness) of `GroupGeometry` for the body, from those of its section and C in space.
-
-    radii : r at the points (n, q) of the elements and of each of their sides
-    """
-    largest = max(r.max() for r in radii)
-    turned = [(_Derivatives(G, r, largest), volume * TURN * r) for r, (G, volume) in zip(radii, geometry)]
-    # A side on the axis has no area, and takes part in nothing; its mass is divided by.
-    around = [TURN * np.where((r <= AXIS * largest).all(axis=1, keepdims=True), largest, r) for r in radii[1:]]
-    sides = [(n + 0 * r[..., None], measure * r) for r, (n, measure) in zip(around, boundary)]
-    return turned, sides, [_Hoop(C) for C in stiffness]
+if TYPE_CHECKING:       # of Python 3.11
+    from typing import Self
 
 
-def _Derivatives(G: Array, r: Array, largest: float) -> Array:
-    """G_tl (n, q, t, l) with the hoop direction; 0 on the axis."""
-    turned = np.zeros((*r.shape, 3, 3))
-    turned[..., :2, :2] = G
-    turned[..., 2, 2] = np.where(r > AXIS * largest, 1 / np.maximum(r, AXIS * largest), 0)
-    return turned
+class RevolvedGroup(ElementGroup):
+    """Batches of element matrices of a body of revolution, sides on its axis with a measure to divide by: they have no area."""
 
+    @property
+    def _directions(self) -> int:
+        return 3
 
-def _Hoop(C: Array) -> Array:
-    """C_ijkl (..., i, j, k, l) with i, k = r, z and j, l = r, z, theta, from that in space in the order r, z, theta."""
-    turned = np.zeros((*C.shape[:-4], 2, 3, 2, 3))
-    turned[..., :, :2, :, :2] = C[..., :2, :2, :2, :2]
-    turned[..., 0, 2, :, :2] = C[..., 2, 2, :2, :2]
-    turned[..., :, :2, 0, 2] = C[..., :2, :2, 2, 2]
-    turned[..., 0, 2, 0, 2] = C[..., 2, 2, 2, 2]
-    return turned
+    def _Finish(self, mesh: Mesh, vertices: np.ndarray, points: Sequence[np.ndarray]) -> None:
+        self._steady, self.uniform, spatial = self.uniform, False, self._stiffness
+        self._stiffness = [C[..., :2, :2, :2, :2] for C in spatial]
+        self._ties = [(C[..., :2, :2, 2, 2], C[..., 2, 2, 2, 2]) for C in spatial]
+        corners = np.asarray(mesh.ngmesh.Coordinates())[vertices, 0]        # n, corners
+        shapes: list[Shapes] = [self.reference, *self.reference.facets]
+        if points:
+            radii = [np.asarray(x(at.ravel())).reshape(at.shape) for at in points]
+        else:
+            radii = [corners @ self._Hats(shape).T for shape in shapes]
+        largest = max(r.max() for r in radii)
+        axis = [np.zeros((1, 1), dtype=bool), *((r <= AXIS * largest).all(axis=1, keepdims=True) for r in radii[1:])]
+        self._radii = [np.where(on, largest, r) for on, r in zip(axis, radii)]
+        weights = [np.where(on, largest, corners) for on in axis] if self._steady else self._radii
+        self._plain = [self._geometry[0][1], *(measure for _, measure in self._boundary)]
+        (G, volume), *sides = self._geometry
+        self._geometry = [(G, volume * TURN * weights[0]), *sides]
+        self._boundary = [(n, measure * TURN * r) for (n, measure), r in zip(self._boundary, weights[1:])]
 
+    def Part(self, rows: np.ndarray) -> Self:
+        part = super().Part(rows)
+        part._steady, part._ties, part._radii, part._plain = self._steady, self._ties, self._radii, self._plain
+        return part
 
-def HoopEnergy(G: Array, C: Array) -> Array:
-    """G_mj C_ijkl G_tl, (n, q, i, k, m, t), of what `Revolved` makes of G and C, whose zeros are left out."""
-    plane, hoop = G[..., :2, :2], G[..., 2, 2]
-    density = np.empty((*G.shape[:2], 2, 2, 3, 3))
-    stress = C[..., :2, :, :2].transpose(0, 1, 3, 5, 2, 4).reshape(*C.shape[:2], 4, 4)      # n q (j l) (i k)
-    pairs = (plane[:, :, :, None, :, None] * plane[:, :, None, :, None, :]).reshape(*G.shape[:2], 4, 4)     # n q (m t) (j l)
-    density[..., :2, :2] = np.swapaxes(pairs @ stress, 2, 3).reshape(*G.shape[:2], 2, 2, 2, 2)
-    # C is symmetric, and of u_z there is no hoop strain.
-    coupled = hoop[..., None, None] * (C[..., 0, 2, :, :2] @ np.swapaxes(plane, 2, 3))      # n q k t
-    density[..., 2, :], density[..., :, 2] = 0, 0
-    density[:, :, 0, :, 2, :2] = coupled
-    density[:, :, :, 0, :2, 2] = coupled
-    density[:, :, 0, 0, 2, 2] = C[..., 0, 2, 0, 2] * hoop ** 2
-    return density
+    def Radii(self, number: int = 0) -> Array:
+        """r at the quadrature points of the element (0) or of side number - 1, (n, q)."""
+        return self._Chosen(self._radii[number])
+
+    def Plain(self, number: int = 0) -> Array:
+        """|det dF|, or the measure of a side, in the plane, (n, q or 1)."""
+        return self._Chosen(self._plain[number])
+
+    def Tie(self, number: int) -> tuple[Array, Array]:
+        """(T, H), (n or 1, q or 1, i, j) and (n or 1, q or 1)."""
+        T, H = self._ties[number]
+        return self._Chosen(T), self._Chosen(H)
+
+    def _Hats(self, shapes: Shapes) -> Array:
+        """(q, corners): the functions of the vertices, of degree 1 or bilinear."""
+        corners = np.array(REFERENCE_VERTICES[self.et], dtype=float)[:, :2]
+
+        def Monomials(x: Array, y: Array) -> Array:
+            return np.stack([1 + 0 * x, x, y, x * y][:len(corners)], axis=1)
+
+        return Monomials(*shapes.points[:, :2].T) @ np.linalg.inv(Monomials(*corners.T))
+
+    def _Gathered(self, products: Array, shapes: Shapes) -> Array:
+        return np.tensordot(self._Hats(shapes), products, axes=(0, 0)) if self._steady else products
+
+    def _Traced(self, s: int) -> bool:
+        # The facets are lines; only where a roller is curved its normal parts are no polynomials.
+        return self.Boundary(s)[0].shape[1] == 1 or not self.rollers[:, s].any()
+
+    def _Rotations(self) -> Array:
+        return np.zeros((len(self.elements), self.dim * self.na, 0))
+
+    def _Energy(self) -> Array:
+        return super()._Energy() + self._Hoop(0)
+
+    def _Hoop(self, number: int, scale: Array | float = 1.0) -> Array:
+        """scale (n, 1) times the terms of u_r/r in the energy, over the element (0) or side number - 1, (n, (i a), (k b))."""
+        (T, H), (G, _), a = self.Tie(number), self.Geometry(number), self.na
+        measure = TURN * scale * self.Plain(number)
+        tied = (G @ np.swapaxes(T, 2, 3)) * measure[..., None, None]        # T_kl G_tl, n q t k
+
+        def Products(shape: ReferenceElement, derivatives: bool) -> Array:
+            here = shape.facets[number - 1] if number else shape
+            right = here.dv if derivatives else here.v[:, None]
+            return np.einsum("q,qa,qtb->qtab", here.weights, here.v, right).reshape(len(here.weights), right.shape[1], -1)
+
+        mixed = self._Sum(tied.transpose(0, 3, 1, 2), lambda shape: Products(shape, True)).reshape(len(tied), 2, a, a)
+        square = self._Sum((H * measure / self.Radii(number))[..., None], lambda shape: Products(shape, False))
+        found = np.zeros((len(tied), 2, a, 2, a))
+        found[:, 0, :, 0] = square.reshape(-1, a, a)
+        for k in range(2):
+            found[:, 0, :, k] += mixed[:, k]
+            found[:, k, :, 0] += np.swapaxes(mixed[:, k], 1, 2)
+        return found.reshape(len(tied), 2 * a, 2 * a)
+
+    def Traction(self, s: int) -> Array:
+        found = super().Traction(s)
+        pull = TURN * self._Pull(s) * self.Plain(1 + s)[..., None]
+        found[..., :self.na] += self._Pairs(self._Transmit(s, pull)[..., None],
+                                            self._Side(s, "mu"), self._Side(s, "v"))
+        return found
+
+    def _Pull(self, s: int) -> Array:
+        """T n, (n, q, i)."""
+        return (self.Tie(1 + s)[0] @ self.Boundary(s)[0][..., None])[..., 0]
+
+    def _Stress(self) -> Array:
+        found = super()._Stress()
+        tie = np.einsum("cij,nqij->nqc", self.basis, self.Tie(0)[0])
+        found[..., :self.na] += self._Pairs((TURN * tie * self.Plain()[..., None])[..., None],
+                                            self._LiftFunctions, lambda shape: (shape, shape.v))
+        return found
+
+    def ElasticPencil(self, weights: Array) -> Array:
+        return super().ElasticPencil(weights) + sum(self._Hoop(1 + s, weights[:, s, None]) for s in self.sides)
+
+    def _PlainPencil(self, s: int, weight: Array) -> Array:
+        # Of a square of tractions that have 1/r in them, which only the quadrature points know.
+        n, r = self.Boundary(s)[0], self.Radii(1 + s)
+        traction = np.zeros((*r.shape, 2, 2, 3))        # n q i k t
+        traction[..., :2] = self._StressOnNormal(s)
+        traction[..., 0, 2] = self._Pull(s) / r[..., None]
+        measure = weight * TURN * r * self.Plain(1 + s)
+        dual = (2 * np.eye(2) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]
+
+        def Products(shape: ReferenceElement) -> Array:
+            facet = shape.facets[s]
+            with_values = np.concatenate([facet.dv, facet.v[:, None]], axis=1)
+            return np.einsum("q,qma,qtb->qmtab", facet.weights, with_values, with_values).reshape(len(r[0]), 9, -1)
+
+        weighted = np.einsum("nqij,nqjkt->nqikt", dual, traction)
+        return self._Gradients(np.einsum("nqjim,nqjkt->nqikmt", traction, weighted), Products)

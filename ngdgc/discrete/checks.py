@@ -18,7 +18,7 @@ from ..mesh.quadrature import BoundaryQuadrature
 from ..methods.coercivity import CheckCoercivity, CheckSum
 from ..problem.problem import ContactProblem
 from ..tools.values import Among
-from .section import CheckSection, OnAxis
+from .section import CheckSection, CheckSpatial, OnAxis
 
 CHECK_ORDER = 4     # of the quadrature at whose points data are looked at
 # A roller prescribes the normal component only, so a tangential traction may act there; springs take up what they are given.
@@ -120,6 +120,8 @@ def CheckData(problem: ContactProblem, mesh: Mesh, facets: Facets) -> None:
     """All coefficients are finite, of the right shape and in range at quadrature points."""
     volume = VolumePoints(mesh, CHECK_ORDER)
     problem.material.Check(mesh, volume)
+    if problem.axisymmetric:
+        CheckSpatial(problem.material, mesh, volume)
     for name, value in vars(problem.material).items():
         for entry in np.ravel(np.array(value, dtype=object)):   # of a matrix, too
             CheckMaterials(entry, mesh, name)

@@ -1,15 +1,19 @@
-"""The mesh of a body of revolution: half of its section, x = r >= 0."""
+"""Bodies of revolution: their mesh, half of the section x = r >= 0, and what their material must not do."""
 
 from __future__ import annotations
+
+from functools import partial
+from typing import Any
 
 import numpy as np
 from ngsolve import Mesh, x
 
+from ..data.coefficients import CheckRange, ValuesAt
 from ..exceptions import ProblemError
 from ..mesh.facets import Facets, Vertices, VolumePoints
-from ..problem.frames import AXIS
+from ..problem.frames import AXIS, NEAR
+from ..problem.materials import AnisotropicMaterial, HookeMaterial, MaterialWords, StiffnessAt
 
-NEAR = 1e-6     # radius that is meant to be 0, relative to that of the body
 ORDER = 4       # of the quadrature at whose points r is looked at
 
 
@@ -28,6 +32,22 @@ def CheckSection(mesh: Mesh) -> None:
     if len(near):
         raise ProblemError(f"the mesh has corners of elements at r = {near.min():.3g}, nearly on the axis of the body; a full "
                            "body has them at x = 0, a hole is larger: round their coordinates")
+
+
+def CheckSpatial(material: HookeMaterial | AnisotropicMaterial, mesh: Mesh, points: Any) -> None:
+    """Raise ProblemError unless a material is positive definite in space at the points, and twists no section."""
+    points = points if material.bonus else points[:1]
+    C = StiffnessAt(material, points, 3)
+    inside = np.array([[True, True, False], [True, True, False], [False, False, True]])
+    # Strains in the section and around it, against shear across it.
+    twist = np.abs(C[:, inside][:, :, ~inside]).max()
+    if twist > 1e-12 * np.abs(C).max():
+        raise ProblemError(f"the material couples strains in the section with shear across it, by entries up to {twist:.3g} in "
+                           "columns 4 and 5 of voigt, so that the body would twist, and one of revolution does not; let these "
+                           "be 0, or take the body in space")
+    if isinstance(material, HookeMaterial):     # whose check is that of the plane
+        least = 3 * ValuesAt(material.lam, points, "lam") + 2 * ValuesAt(material.mu, points, "mu")
+        CheckRange(least, "3*lam + 2*mu", above=0, Where=partial(MaterialWords, mesh, points))
 
 
 def OnAxis(facets: Facets) -> np.ndarray:

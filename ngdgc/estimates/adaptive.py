@@ -74,7 +74,8 @@ def Adapt(disc: Discretization, *, tol: float, goal: Any, most: int, callback: A
     words = f"SolveAdaptive(order={disc.order}, tol={tol:g}, goal={goal!r})"
     run = _Run(tol=tol, law=law, Measure=Measure(goal), most=most, callback=callback, words=words)
     CheckRefinable(disc.mesh)
-    disc.problem.frame.Refuse("SolveAdaptive")
+    if goal != "energy":
+        disc.problem.frame.Refuse(f"SolveAdaptive with goal={goal!r}")
     reached = run.First(disc)
     while not run.Tell(reached):
         reached = run.Next(reached)

@@ -31,7 +31,7 @@ def ContactResidual(solution: ContactSolution) -> Array:
     contact = ContactBoundary(disc.problem, disc.facets, disc.space, scalar, 2 * order + FINE)
     elements = contact.inside["nr"]
     gamma = order * Softest(disc)[elements] / contact.measures ** (1 / (dim - 1))
-    stress = np.asarray(solution.stress(contact.inside)).reshape(-1, dim, dim)
+    stress = np.asarray(disc.problem.frame.Plane(solution.stress)(contact.inside)).reshape(-1, dim, dim)
     traction = -np.einsum("nij,nj->ni", stress, contact.outward)
     graph = ContactGraph(contact, gamma)
     point = graph.At(graph.Coordinates(contact.Displacement(solution.vector), traction))
@@ -42,10 +42,10 @@ def ContactResidual(solution: ContactSolution) -> Array:
 
 def Softest(disc: DiscreteProblem) -> Any:
     """c, the smallest eigenvalue of C in the middle of the elements, (elements,) [stress]; 2 mu of Hooke's if lam >= 0."""
-    mesh, material = disc.mesh, disc.problem.material
-    basis = SymmetricBasis(mesh.dim)
+    mesh, material, dim = disc.mesh, disc.problem.material, disc.problem.frame.Directions(disc.mesh.dim)
+    basis = SymmetricBasis(dim)
     basis /= np.sqrt(np.einsum("cij,cij->c", basis, basis))[:, None, None]
     points = Middles(mesh)
-    C = StiffnessAt(material, points[:1] if material.bonus == 0 else points, mesh.dim)
+    C = StiffnessAt(material, points[:1] if material.bonus == 0 else points, dim)
     smallest = np.linalg.eigvalsh(np.einsum("cij,nijkl,dkl->ncd", basis, C, basis))[:, 0]
     return np.broadcast_to(smallest, mesh.ne)

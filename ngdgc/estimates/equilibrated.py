@@ -33,7 +33,7 @@ from ..blocks.reference import ReferenceElement
 from ..contracts import Array
 from ..data.coefficients import VectorsAt
 from ..methods.lifting import WeakFacets
-from .piola import Piola
+from .piola import Piola, PiolaElement
 
 EXTRA = 2       # degrees of quadrature: squares of polynomials of degree k + 1 are exact
 
@@ -53,6 +53,11 @@ class StressBatch:
     equilibrated: Array
     divergence: Array
     diameters: Array
+
+    @property
+    def C(self) -> Array:
+        """C_ijkl of these stresses, (n or 1, q or 1, d, d, d, d)."""
+        return self.group.Stiffness()
 
     def Integral(self, density: Array) -> Array:
         """The integrals (n,) of values (n, q) over the elements."""
@@ -115,23 +120,42 @@ class EquilibratedStress:
             if self._theta and lifted is None:
                 for s in part.sides:
                     inner -= self._theta * self._Consistency(part, s, shape, rows, signs, element.inneron[s])
-            coefficients = np.concatenate([*moments, inner], axis=2) @ element.coefficients.T       # n i N
+            known = np.concatenate([*moments, inner], axis=2)
+            coefficients = self._Coefficients(element, part, rows, known)       # n i N
             reference[rows] = np.swapaxes(_Values(coefficients, element.values), 1, 2)
             divergence[rows] = np.swapaxes(coefficients @ element.divergences.T, 1, 2)
-        G, volume = fine.Geometry()
+        G, volume = self._Plane(fine)
         equilibrated = reference @ np.swapaxes(np.linalg.inv(G), 2, 3) / volume[..., None, None]
         if self._added is not None:
             equilibrated += np.asarray(self._added(points.ravel())).reshape(equilibrated.shape)
-        return StressBatch(fine, points, volume * fine.reference.weights, self._Computed(fine), equilibrated,
-                           divergence / volume[..., None], self._Diameters(part))
+        return self._Whole(fine, points, equilibrated, divergence / volume[..., None], self._Diameters(part))
+
+    def _Whole(self, fine: Any, points: Array, equilibrated: Array, divergence: Array, diameters: Array) -> StressBatch:
+        return StressBatch(fine, points, self._Measure(fine) * fine.reference.weights, self._Computed(fine), equilibrated,
+                           divergence, diameters)
+
+    def _Coefficients(self, element: PiolaElement, part: Any, rows: np.ndarray, moments: Array) -> Array:
+        """Coefficients (n, i, N) of the elements with these rows from the moments (n, i, moments)."""
+        return moments @ element.coefficients.T
+
+    def _Plane(self, part: ElementGroup) -> tuple[Array, Array]:
+        """(G, |det dF|) of the map from the reference element."""
+        return part.Geometry()
+
+    def _Measure(self, part: ElementGroup, number: int = 0) -> Array:
+        """What integrals over the body have, of the element (0) or of side number - 1, (n, q or 1)."""
+        return part.Boundary(number - 1)[1] if number else part.Geometry()[1]
+
+    def _SideMeasure(self, part: ElementGroup, s: int) -> Array:
+        """Of the facet itself, (n, q or 1)."""
+        return part.Boundary(s)[1]
 
     def _Pulled(self, part: ElementGroup, lifted: Array | None) -> Array:
         """What is tested in the elements, by Piola's map on the reference element, (n, q, i, m)."""
         tested = self._Computed(part)
         if lifted is not None:
             tested = tested + self._theta * self._Lifted(part, lifted)
-        G, volume = part.Geometry()
-        return tested @ np.swapaxes(G, 2, 3) * volume[..., None, None]
+        return tested @ np.swapaxes(part.Geometry()[0], 2, 3) * self._Measure(part)[..., None, None]
 
     def _Diameters(self, part: ElementGroup) -> Array:
         vertices = self.disc.facets.vertices[part.elements]
@@ -163,7 +187,7 @@ class EquilibratedStress:
                         values[self.operators.FacetDofs(group.facets[rows, s])] = moments.reshape(len(rows), -1)
         return function
 
-    def _Computed(self, part: ElementGroup) -> Array:
+    def _Computed(self, part: Any) -> Array:
         """C eps(u_h), (n, q, i, j)."""
         local = self._vector[self.operators.Dofs(part.elements[:, None])].reshape(len(part.elements), part.dim, -1)
         return Stress(part.Stiffness(), part.AtPoints(lambda shape: shape.dv, local) @ part.Geometry()[0])
@@ -184,11 +208,11 @@ class EquilibratedStress:
         values = part.AtPoints(lambda shape: shape.p[:, None], lifted)[..., 0]        # n q c
         return Stress(part.Stiffness(), np.einsum("nqc,cij->nqij", values, part.basis))
 
-    def _OnFacet(self, part: ElementGroup, s: int, shape: ReferenceElement, rows: np.ndarray, signs: Array) -> Array:
+    def _OnFacet(self, part: Any, s: int, shape: ReferenceElement, rows: np.ndarray, signs: Array) -> Array:
         """Moments of the traction on side s, (n, i, b)."""
         facets = part.facets[rows, s]
         coefficients = self._flux[self.operators.FacetDofs(facets)].reshape(len(rows), part.dim, -1)
-        facet, (_, measure) = shape.facets[s], part.Boundary(s)
+        facet, measure = shape.facets[s], self._SideMeasure(part, s)
         mass = np.einsum("nq,qb,qc->nbc", measure[rows] * facet.weights, facet.mu, facet.mu, optimize=True)
         return signs[rows, s, None, None] * (coefficients @ mass)
 
@@ -198,7 +222,7 @@ class EquilibratedStress:
         facets, facet = part.facets[rows, s], shape.facets[s]
         jump = self._jump[self.operators.FacetDofs(facets)].reshape(len(rows), part.dim, -1)
         jump = np.swapaxes(jump @ facet.mu.T, 1, 2) * (self.operators.share[facets] * signs[rows, s])[:, None, None]     # n q i
-        normal, measure = part.Boundary(s)
+        normal, measure = part.Boundary(s)[0], self._Measure(part, 1 + s)
         G, _ = part.Geometry(1 + s)
         C = part.Stiffness(1 + s)
         stress = Stress(C[rows] if len(C) > 1 else C, jump[..., :, None] * normal[rows][..., None, :])

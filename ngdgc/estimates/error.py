@@ -21,11 +21,13 @@ from .loadquadrature import LoadQuadrature
 from .oscillation import BodyOscillation, TractionOscillation
 from .piola import FACTORS
 from .potential import Potential, Sweeps
+from .revolvedstress import RevolvedStress
 from .stressfunction import Relaxed
 
 PARTS = ("stress", "skew", "jumps", "law", "feasibility", "data")
 SIMPLICES = ET.TRIG, ET.TET
 FASTER = 4          # sweeps of the stress for each of the potential, of which they cost a small part
+REVOLVED = "of a body of revolution s is in equilibrium along the axis up to what 'data' counts, with no constant that is known"
 POLYNOMIAL = 1e-4   # share of the data in value^2 up to which quadrature has seen all of them
 
 
@@ -68,7 +70,7 @@ def EstimateError(solution: Any) -> ErrorEstimate:
     value = float(np.sqrt(indicators.sum()))
     return ErrorEstimate(value=value, relative=Relative(solution, value), indicators=indicators,
                          parts={name: float(np.sqrt(square.sum())) for name, square in squares.items()},
-                         Theory=partial(Bound, solution))
+                         Theory=(lambda: (None, REVOLVED)) if solution.disc.problem.axisymmetric else partial(Bound, solution))
 
 
 def _Check(solution: Any) -> None:
@@ -85,7 +87,6 @@ def _Check(solution: Any) -> None:
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
     RefusePunches(disc.problem)
-    disc.problem.frame.Refuse("EstimateError")
     RefuseHistories(disc)
     if disc.added:
         raise ProblemError("forms were added, whose forces the numerical flux does not know; errors are estimated of problems "
@@ -98,13 +99,14 @@ def _Check(solution: Any) -> None:
 def _Squares(solution: Any) -> dict[str, Array]:
     """{name of a part: (elements,)}."""
     disc = solution.disc
-    stress, potential = EquilibratedStress(solution), Potential(solution)
+    revolved, potential = disc.problem.axisymmetric, Potential(solution)
+    stress = RevolvedStress(solution) if revolved else EquilibratedStress(solution)
     sweeps = Sweeps(disc.problem.material, disc.mesh)
-    if sweeps:
+    if sweeps and not revolved:
         stress = Relaxed(stress, FASTER * sweeps)
     squares = {name: np.zeros(disc.mesh.ne) for name in PARTS}
     for batch in stress.Batches():
-        C, elements = batch.group.Stiffness(), batch.group.elements
+        C, elements = batch.C, batch.group.elements
         shear = disc.problem.material.ShearAt(batch.points.ravel()).reshape(batch.points.shape)
         difference = batch.equilibrated - batch.computed
         squares["stress"][elements] = batch.Integral(Complementary(C, (difference + np.swapaxes(difference, 2, 3)) / 2))

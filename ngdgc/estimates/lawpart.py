@@ -36,6 +36,7 @@ from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..mesh.quadrature import BoundaryQuadrature
 from .equilibrated import EquilibratedStress
+from .facetsizes import FacetSizes
 from .potential import Potential
 
 DEGREE = 12     # of the quadrature beyond 2 k: zones end within facets
@@ -111,7 +112,7 @@ class FoundationPoints:
         self._slip = v - self._Normal(v)[:, None] * self.normals
         _, self._facet = np.unique(quadrature.boundaryelements, return_inverse=True)
         self._measure = np.bincount(self._facet, quadrature.weights)
-        size, shear = self._measure[self._facet] ** (1 / (dim - 1)), disc.problem.material.ShearAt(quadrature.inside)
+        size, shear = FacetSizes(disc, quadrature), disc.problem.material.ShearAt(quadrature.inside)
         self._sizes = 1 + np.log2(np.maximum(np.ptp(quadrature.coordinates, axis=0).max() / size, 1))
         self._gamma, self._price = 2 * shear * disc.order ** 2 / size, size / (2 * shear)
 

@@ -51,10 +51,12 @@ def _Difference(disc: Any, bonus: int, where: np.ndarray) -> Array:
         elements = BitArray(where.tolist())
         force = Unfolded(problem.bodyforce) * v
         for sign, degree in ((1, bonus), (-1, 0)):
-            load += sign * Coefficients(force * dx(bonus_intorder=LOADBONUS + degree, definedonelements=elements))
+            measure = dx(bonus_intorder=LOADBONUS + degree, definedonelements=elements)
+            load += sign * Coefficients(problem.frame.Integral(force, measure))
     for (kind, region), value in disc.tractions.items():
         measure = ds(skeleton=True, definedon=disc.mesh.Boundaries(region), bonus_intorder=LOADBONUS + bonus)
-        load += Coefficients(ForFacets(value, kind, region, disc.mesh) * v * measure) - disc.loads[kind, region]
+        fine = Coefficients(problem.frame.Integral(ForFacets(value, kind, region, disc.mesh) * v, measure))
+        load += fine - disc.loads[kind, region]
     return load
 
 

@@ -11,6 +11,7 @@ from ..contracts import Array
 from ..data.coefficients import ValuesAt, VectorsAt
 from ..mesh.quadrature import BoundaryQuadrature
 from .equilibrated import EquilibratedStress, StressBatch
+from .facetsizes import FacetSizes
 from .potential import Potential
 
 DEGREE = 6          # of quadrature beyond 2 k
@@ -26,9 +27,8 @@ def BodyOscillation(disc: Any, batch: StressBatch, shear: Array) -> Array:
 def TractionOscillation(disc: Any, stress: EquilibratedStress) -> Iterator[tuple[Any, Array]]:
     """(elements (m,), h/(2 mu (k + 1)) |f_2 - s n|^2 times weights) at m points of a quadrature on Gamma_F, by regions."""
     for quadrature, rest in _Tractions(disc, stress):
-        size = np.bincount(quadrature.boundaryelements, quadrature.weights)[quadrature.boundaryelements]
         shear = disc.problem.material.ShearAt(quadrature.inside)
-        price = size ** (1 / (disc.mesh.dim - 1)) / (2 * shear * (disc.order + 1))
+        price = FacetSizes(disc, quadrature) / (2 * shear * (disc.order + 1))
         yield quadrature.elements, quadrature.weights * price * np.square(rest).sum(axis=1)
 
 

@@ -40,10 +40,11 @@ class PiolaElement:
     values (q, m, N), divergences (q, N) : of RT_k at the points of `fine`, whose quadrature has degree 2 k + 2
     inner (q, m, I), inneron [(q, m, I)] : q_hat at the points of the cell and of its facets
     coefficients (N, moments) : from moments, facet by facet and then interior ones, to coefficients
+    onfacets (moments, N), pairs (q, I, N) : the moments on facets, and what interior ones are sums of, at the points of `shape`
     """
 
     def __init__(self, et: Any, order: int, shape: ReferenceElement, fine: ReferenceElement) -> None:
-        self._factors, self._order, self._dim = FACTORS[et], order, shape.dim
+        self._factors, self._order, self._dim, self.shape = FACTORS[et], order, shape.dim, shape
         values, divergences = self._Functions(fine.points)
         # Orthonormal in the cell: products of one degree in a corner of the square are nearly dependent.
         weighted = np.sqrt(fine.weights)[:, None, None] * values
@@ -54,7 +55,9 @@ class PiolaElement:
         for facet in shape.facets:
             normal = np.einsum("qmN,m->qN", self._Functions(facet.points)[0], facet.normal) @ change
             moments.append(np.einsum("q,qb,qN->bN", facet.weights, facet.mu, normal))
-        moments.append(np.einsum("q,qmI,qmN->IN", shape.weights, self.inner, self._Functions(shape.points)[0] @ change))
+        inside = self._Functions(shape.points)[0] @ change
+        self.onfacets, self.pairs = np.concatenate(moments), np.einsum("qmI,qmN->qIN", self.inner, inside)
+        moments.append(np.einsum("q,qmI,qmN->IN", shape.weights, self.inner, inside))
         self.coefficients = np.linalg.inv(np.concatenate(moments))
 
     def _Exponents(self, excess: tuple[int, ...]) -> list[tuple[int, ...]]:

@@ -15,16 +15,18 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-from ngsolve import (BND, H1, VOL, BilinearForm, BitArray, BoundaryFromVolumeCF, ElementId, GridFunction, InnerProduct,
-                     LinearForm, Region, VectorH1, dx, specialcf)
+from ngsolve import (BND, EDGE, H1, VERTEX, VOL, BilinearForm, BitArray, BoundaryFromVolumeCF, ElementId, GridFunction,
+                     InnerProduct, LinearForm, NodeId, Region, VectorH1, dx, specialcf)
 
 from ..blocks.integrals import ElementGroup
-from ..blocks.reference import Gradients, ReferenceElement
+from ..blocks.reference import Gradients, ReferenceElement, Values
+from ..blocks.revolved import RevolvedGroup
 from ..contracts import Array
 from ..data.inside import OnBoundary
+from ..discrete.section import OnAxis
 from ..linear.solenoidal import Swelling
-from ..mesh.facets import Threads, VolumePoints
-from ..problem.materials import Strain
+from ..mesh.facets import Facets, Threads, VolumePoints
+from ..problem.frames import AXIS
 
 SWOLLEN, VERY = 5, 100      # `Swelling` from which one sweep, and two, are made: nu = 0.4 and 0.495
 CONTRAST = 10               # of shear moduli, from which one is
@@ -38,17 +40,23 @@ class Potential:
 
     def __init__(self, solution: Any) -> None:
         disc = solution.disc
-        self.mesh, problem = disc.mesh, disc.problem
+        self.mesh, problem, self._frame = disc.mesh, disc.problem, disc.problem.frame
         sweeps = Sweeps(problem.material, self.mesh)
         self.order = disc.order + (2 if sweeps else 1)
         fixed = "|".join([*problem.dirichlet, *problem.roller, *(foundation.boundary for foundation in problem.foundation)])
         self.gfu = GridFunction(VectorH1(self.mesh, order=self.order, dirichlet=fixed))
+        self._scalar = H1(self.mesh, order=self.order)
+        self._axis = AxisDofs(disc.facets, self._scalar) if problem.axisymmetric else []
         with Threads(self.mesh):
             self.gfu.Set(solution.gfu)
             self._Impose(solution)
+            self._OffAxis()
             if sweeps:
                 self._Sweep(solution, sweeps)
-        self._scalar = H1(self.mesh, order=self.order)
+
+    def _OffAxis(self) -> None:
+        """v_r = 0 on the axis, where v_r/r would have no energy."""
+        self.gfu.vec.FV().NumPy()[self._axis] = 0
 
     def _Impose(self, solution: Any) -> None:
         problem, n = solution.disc.problem, specialcf.normal(self.mesh.dim)
@@ -80,10 +88,14 @@ class Potential:
 
     def _Sweep(self, solution: Any, sweeps: int) -> None:
         space, material = self.gfu.space, solution.disc.problem.material
-        u, v = space.TnT()
-        matrix = BilinearForm(InnerProduct(material.Stress(Strain(u)), Strain(v)) * dx).Assemble().mat
-        load = LinearForm(InnerProduct(solution.stress, Strain(v)) * dx).Assemble().vec
-        smoother = matrix.CreateBlockSmoother([list(block) for block in space.CreateSmoothingBlocks(blocktype="vertexpatch")])
+        (u, v), frame = space.TnT(), self._frame
+        energy = InnerProduct(material.Stress(frame.Strain(u)), frame.Strain(v))
+        matrix = BilinearForm(frame.Integral(energy, dx)).Assemble().mat
+        load = LinearForm(frame.Integral(InnerProduct(solution.stress, frame.Strain(v)), dx)).Assemble().vec
+        blocks = [list(block) for block in space.CreateSmoothingBlocks(blocktype="vertexpatch")]
+        if held := set(self._axis):
+            blocks = [[dof for dof in block if dof not in held] for block in blocks]
+        smoother = matrix.CreateBlockSmoother(blocks)
         for _ in range(sweeps):
             smoother.Smooth(self.gfu.vec, load)
             smoother.SmoothBack(self.gfu.vec, load)
@@ -99,12 +111,18 @@ class Potential:
         return other
 
     def Gradient(self, part: ElementGroup) -> Array:
-        """grad v at the points of a part, (n, q, i, j)."""
+        """grad v at the points of a part, (n, q, i, j), of a body of revolution that in space."""
         G, _ = part.Geometry()
         dofs = np.array([self._scalar.GetDofNrs(ElementId(VOL, int(element))) for element in part.elements])
         vector = self.gfu.vec.FV().NumPy().reshape(part.dim, -1)
         local = np.swapaxes(vector[:, dofs], 0, 1)      # n i a
-        return part.AtPoints(lambda shape: _Gradients(part.et, self.order, shape), local) @ G
+        plane = part.AtPoints(lambda shape: _Gradients(part.et, self.order, shape), local) @ G
+        if not isinstance(part, RevolvedGroup):
+            return plane
+        whole = np.zeros((*plane.shape[:2], 3, 3))
+        radial = part.AtPoints(lambda shape: _Values(part.et, self.order, shape)[:, None], local[:, :1])[..., 0, 0]
+        whole[..., :2, :2], whole[..., 2, 2] = plane, radial / part.Radii()
+        return whole
 
 
 def Sweeps(material: Any, mesh: Any) -> int:
@@ -119,3 +137,19 @@ def Sweeps(material: Any, mesh: Any) -> int:
 def _Gradients(et: Any, order: int, shape: ReferenceElement) -> Array:
     """Reference gradients (q, m, a) of H1 at the points of a ReferenceElement, whose order of vertices it shares."""
     return Gradients(H1(shape.mesh, order=order).GetFE(ElementId(VOL, 0)), shape.points, shape.dim)
+
+
+@lru_cache(maxsize=256)
+def _Values(et: Any, order: int, shape: ReferenceElement) -> Array:
+    """Values (q, a) of H1 there."""
+    return Values(H1(shape.mesh, order=order).GetFE(ElementId(VOL, 0)), shape.points)
+
+
+def AxisDofs(facets: Facets, space: Any) -> list[int]:
+    """The dofs of a scalar space of continuous functions on the axis of a body of revolution, in ascending order."""
+    r = np.asarray(facets.mesh.ngmesh.Coordinates())[:, 0]
+    found = {dof for number in np.flatnonzero(r <= AXIS * r.max()) if number < facets.mesh.nv
+             for dof in space.GetDofNrs(NodeId(VERTEX, int(number)))}
+    for facet in np.flatnonzero(OnAxis(facets)):
+        found.update(space.GetDofNrs(NodeId(EDGE, int(facet))))
+    return sorted(found)

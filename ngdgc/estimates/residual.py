@@ -5,20 +5,19 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import (CF, TET, TRIG, CoefficientFunction, Grad, GridFunction, InnerProduct, Integrate, L2, LinearForm,
-                     OuterProduct, Sym, VectorValued, ds, dx, specialcf)
+from ngsolve import (CoefficientFunction, GridFunction, IfPos, InnerProduct, Integrate, L2, LinearForm, OuterProduct, Sym, ds,
+                     dx, specialcf, x)
 
 from ..contracts import Array
 from ..data.coefficients import ForFacets, OnFacets, Unfolded
 from ..exceptions import ProblemError
-from ..mesh.facets import Curved, Projected, Threads
-from ..problem.frames import CARTESIAN
+from ..mesh.facets import Curved, Threads
 from ..solution.solution import CheckSolution, ContactSolution
 from ..tools.calls import ByKeyword
+from .divergence import Divergence
 from .estimate import ErrorEstimate, RefuseHistories, RefuseJoints, RefusePunches, RefuseSprings, Relative
 from .contactresidual import ContactResidual, Softest
 
-SMOOTH = 2      # degrees beyond k of the polynomials that a stress which is none is taken for
 EXTRA = 4       # quadrature degrees beyond 2 k for body forces
 REASON = "the constants of residual estimators depend on the shape of the elements; values are some 3 to 6 times the error"
 
@@ -38,6 +37,8 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     u_hat is the average, and what is prescribed on Gamma_D and rollers; sigma_hat n the numerical flux, of a method without one
     the average of sigma_h n, and on Gamma_F the traction itself.  t(q) is the point q of the graph of the law
     (`contact.graph`): it tells whether (u_h, t) obeys the law, also between the contact points and for stiff foundations.
+    Of a body of revolution integrals are those over the body, div sigma_h has the hoop stress, and its radial component counts
+    with min(h/k, r) instead of h/k, since |w_r/r| is a strain.
 
     Raises ProblemError for solutions of discretisations with springs, or with added forms, whose forces are no function on
     facets and elements.
@@ -56,7 +57,6 @@ def ResidualEstimate(solution: ContactSolution) -> ErrorEstimate:
     RefuseSprings(disc.problem)
     RefuseJoints(disc.problem)
     RefusePunches(disc.problem)
-    disc.problem.frame.Refuse("ResidualEstimate")
     RefuseHistories(disc)
     if disc.added:
         raise ProblemError("the solution has added forms, whose forces are no tractions on facets that could be compared; "
@@ -79,31 +79,26 @@ class _Residuals:
         self.solution, self.disc = solution, solution.disc
         self.mesh, self.problem, self.order = self.disc.mesh, self.disc.problem, self.disc.order
         self.material, self.u, self.n = self.problem.material, solution.gfu, specialcf.normal(self.mesh.dim)
-        self.stress, self.space = solution.stress, L2(self.mesh, order=0, dgjumps=True)
+        self.frame = self.problem.frame
+        self.stress, self.space = self.frame.Plane(solution.stress), L2(self.mesh, order=0, dgjumps=True)
         c = GridFunction(self.space)
         c.vec.FV().NumPy()[:] = Softest(self.disc)
         # NGSolve's mesh_size is |K|^(1/d) in an element, and on a facet the height of the element over it.
         self.own = h, c = specialcf.mesh_size, c
         self.other = h.Other(), c.Other()
-        self.bonus = 2 * self.order + self.material.bonus + (2 if Curved(self.mesh) else 0)
+        self.bonus = 2 * self.order + self.material.bonus + self.frame.bonus + (2 if Curved(self.mesh) else 0)
 
     def Elements(self) -> Array:
-        residual = self._Divergence()
+        residual = Divergence(self.disc, self.u)
         if self.problem.bodyforce is not None:
             residual = residual + Unfolded(self.problem.bodyforce)
         h, c = self.own
-        square = h ** 2 / c * InnerProduct(residual, residual) / self.order ** 2
-        return np.array(Integrate(square, self.mesh, element_wise=True, order=self.bonus + EXTRA))
-
-    def _Divergence(self) -> Any:
-        """div sigma_h in the elements, by way of polynomials: NGSolve's own second derivatives take four times as long."""
-        dim, plain = self.mesh.dim, self.material.bonus == 0 and not Curved(self.mesh)
-        exact = plain and all(element.type in (TRIG, TET) for element in self.mesh.Elements())
-        space = VectorValued(L2(self.mesh, order=self.order - 1 if exact else self.order + SMOOTH), dim * dim)
-        stress = GridFunction(space)
-        stress.vec.FV().NumPy()[:] = Projected(space, self.stress)
-        slopes = Grad(stress)
-        return CF(tuple(sum(slopes[dim * i + j, j] for j in range(dim)) for i in range(dim)))
+        if not self.frame.revolved:
+            square = h ** 2 / c * InnerProduct(residual, residual) / self.order ** 2
+        else:       # |w_r/r| is a strain: near the axis that is less than |w_r|/h
+            near = IfPos(h - self.order * x, self.order * x, h)
+            square = ((near * residual[0]) ** 2 + (h * residual[1]) ** 2) / (c * self.order ** 2)
+        return np.array(Integrate(self.frame.Weighted(square), self.mesh, element_wise=True, order=self.bonus + EXTRA))
 
     def Tractions(self) -> Array:
         problem, facets = self.problem, self.disc.facets
@@ -120,7 +115,7 @@ class _Residuals:
             traction = self.stress * self.n - facets.orientation * self.solution.flux
             total = self._OnSides(self._Traction(traction, *self.own), ~contact & ~given)
         else:
-            other = self.material.OtherStress(CARTESIAN.OtherStrain(self.u))
+            other = self.frame.Plane(self.material.OtherStress(self.frame.OtherStrain(self.u)))
             total = self._BetweenElements(lambda *side: self._Traction((self.stress - other) * self.n / 2, *side))
             free = outer & ~contact & ~given & ~self._On(problem.dirichlet)
             total += self._OnSides(self._Traction(Free(self.stress * self.n), *self.own), free)
@@ -146,7 +141,7 @@ class _Residuals:
 
     def _Jump(self, jump: Any, h: Any, _: Any) -> Any:
         tensor = Sym(OuterProduct(jump, self.n))
-        return self.order ** 2 / h * InnerProduct(self.material.Stress(tensor), tensor)
+        return self.order ** 2 / h * InnerProduct(self.frame.PlaneStress(self.material.Stress, tensor), tensor)
 
     def _On(self, regions: Any) -> Any:
         """True for the facets on any of the regions, over facets."""
@@ -169,5 +164,5 @@ class _Residuals:
     def _Sum(self, terms: list[tuple[Any, Any, Any]]) -> Array:
         form = LinearForm(self.space)
         for square, v, measure in terms:
-            form += square * v * measure
+            form += self.frame.Integral(square * v, measure)
         return form.Assemble().vec.FV().NumPy().copy()

@@ -36,6 +36,14 @@ def Pressure(q: Array, k: Array, gamma: float) -> Array:
     return k / (k + gamma) * np.maximum(q, 0)
 
 
+def Rings(rng: np.random.Generator) -> tuple[Any, ...]:
+    return rng.uniform(0, 5, 12), np.cumsum(rng.uniform(0.1, 0.6, 12)), rng.uniform(0.1, 0.4, 12)
+
+
+def RingForce(p: Array, r: Array, weights: Array) -> float:
+    return float(2 * np.pi * weights @ (r * p))
+
+
 EXERCISES = {
     "08.1": Function(
         Right=Residual, Data=States, hint="One positive part, of the sum.",
@@ -71,4 +79,15 @@ EXERCISES = {
                                  "c": "Look at the first line of the last picture on the finest meshes."},
         reasons={2: "The question is about the energy error, of order 1.",
                  3: "True, and just why a fixed stiffness would stop the convergence; but how large is that error?"},
-        insight="Model error and discretisation error should be balanced: 1/k of the size of h.")}
+        insight="Model error and discretisation error should be balanced: 1/k of the size of h."),
+    "08.5": Function(
+        Right=RingForce, Data=Rings, hint="Over which area is the pressure of a point of the section spread, all around?",
+        insight="`solution.weights` of a body of revolution have 2 pi r in them, so that weights @ pressure is the force.",
+        mistakes={
+            "That is the force per length of a roller; here each point stands for a ring.":
+                lambda p, r, weights: float(weights @ p),
+            "That is the force of a wedge of one radian; all around there are 2 pi.":
+                lambda p, r, weights: float(weights @ (r * p)),
+            "A ring has the circumference 2 pi r.": lambda p, r, weights: RingForce(p, r, weights) / 2,
+            "Each point has a radius of its own, by which its pressure counts.":
+                lambda p, r, weights: float(2 * np.pi * r.mean() * (weights @ p))})}

@@ -56,8 +56,8 @@ def Simplicial(mesh: Mesh) -> bool:
 
 def Swelling(material: Any, mesh: Mesh) -> float:
     """Largest ratio of volumetric to shear stiffness, (I : C : I)/d over 2 mu; 1 + d lam/(2 mu) for isotropic materials."""
-    points = VolumePoints(mesh, 0)
-    volumetric = np.einsum("niijj->n", StiffnessAt(material, points, mesh.dim)) / mesh.dim
+    points, dim = VolumePoints(mesh, 0), getattr(material, "dim", mesh.dim)     # 3 of a body of revolution
+    volumetric = np.einsum("niijj->n", StiffnessAt(material, points, dim)) / dim
     return float(np.max(volumetric / (2 * material.ShearAt(points))))
 
 

@@ -162,8 +162,10 @@ class ElasticPenalty:
 
     def Interior(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction:
         (gamma, weight), jump, material = self._functions, Sym(OuterProduct(w, n)), self._operators.material
-        return 0.5 * weight * (gamma * material.Stress(jump) + gamma.Other() * material.OtherStress(jump))
+        own, other = (self._facets.frame.PlaneStress(Stress, jump) for Stress in (material.Stress, material.OtherStress))
+        return 0.5 * weight * (gamma * own + gamma.Other() * other)
 
     def Boundary(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction:
         gamma, weight = self._functions
-        return weight * gamma * self._operators.material.Stress(Sym(OuterProduct(w, n)))
+        stress = self._facets.frame.PlaneStress(self._operators.material.Stress, Sym(OuterProduct(w, n)))
+        return weight * gamma * stress

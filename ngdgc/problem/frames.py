@@ -11,6 +11,7 @@ so that forces are those of the whole ring, and C is that of a body in space.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
@@ -21,6 +22,7 @@ from ..exceptions import ProblemError
 
 TURN = 2 * np.pi
 AXIS = 1e-12        # radius below which a point lies on the axis, relative to the largest one
+NEAR = 1e-6         # the same where a point is one to look at, and u_r(0)/r would be seen: corners of elements are farther
 
 
 class Cartesian:
@@ -53,6 +55,14 @@ class Cartesian:
         """The part of a tensor that acts in the plane of the mesh, shape (d, d)."""
         return tensor
 
+    def PlaneStress(self, Stress: Callable[[Any], Any], strain: Any) -> Any:
+        """The same of Stress(strain), of a strain (d, d) in that plane alone."""
+        return Stress(strain)
+
+    def Directions(self, dim: int) -> int:
+        """Of strains and of C, on a mesh of this dimension."""
+        return dim
+
     def Weighted(self, integrand: Any) -> Any:
         """What is to be integrated over the mesh, of an integrand over the body."""
         return integrand
@@ -84,11 +94,18 @@ class Cylindrical(Cartesian):
     def Spatial(self, strain: Any, u: Any) -> Any:
         hoop = u[0] / x
         if isinstance(u, GridFunction):     # pictures ask for values on the axis, where u_r/r is d_r u_r
-            hoop = IfPos(x - AXIS * np.asarray(u.space.mesh.ngmesh.Coordinates())[:, 0].max(), hoop, strain[0, 0])
+            hoop = IfPos(x - NEAR * np.asarray(u.space.mesh.ngmesh.Coordinates())[:, 0].max(), hoop, strain[0, 0])
         return CF((strain[0, 0], strain[0, 1], 0, strain[1, 0], strain[1, 1], 0, 0, 0, hoop), dims=(3, 3))
 
     def Plane(self, tensor: Any) -> Any:
         return CF((tensor[0, 0], tensor[0, 1], tensor[1, 0], tensor[1, 1]), dims=(2, 2))
+
+    def PlaneStress(self, Stress: Callable[[Any], Any], strain: Any) -> Any:
+        inside = CF((strain[0, 0], strain[0, 1], 0, strain[1, 0], strain[1, 1], 0, 0, 0, 0), dims=(3, 3))
+        return self.Plane(Stress(inside))
+
+    def Directions(self, dim: int) -> int:
+        return 3
 
     def Weighted(self, integrand: Any) -> Any:
         return TURN * x * integrand

@@ -143,7 +143,8 @@ class HookeMaterial:
 class AnisotropicMaterial:
     """General C, given by its symmetric positive definite Voigt matrix [stress].
 
-    2D: 3 x 3 acting on (e11, e22, 2 e12); 3D: 6 x 6 acting on (e11, e22, e33, 2 e23, 2 e13, 2 e12).
+    2D: 3 x 3 acting on (e11, e22, 2 e12); 3D: 6 x 6 acting on (e11, e22, e33, 2 e23, 2 e13, 2 e12); bodies of revolution: the
+    same in the order r, z, theta, so that rows and columns 4 and 5 are for twist, and couple with no others.
     Entries are numbers or scalar CoefficientFunctions.
 
     Raises ProblemError for a wrong shape, an unsymmetric or an indefinite matrix.

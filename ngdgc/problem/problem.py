@@ -113,7 +113,7 @@ class ContactProblem:
                 yield f"normal of foundation {foundation.boundary!r}", foundation.normal.dim
             if foundation.punch is not None:
                 yield f"punch of foundation {foundation.boundary!r}", foundation.punch.dim
-        if isinstance(self.material, AnisotropicMaterial):
+        if isinstance(self.material, AnisotropicMaterial) and not self.axisymmetric:
             yield "material", self.material.dim
 
     @property
@@ -151,9 +151,11 @@ def _CheckRevolved(problem: ContactProblem) -> None:
         raise ProblemError(f"axisymmetric is {problem.axisymmetric!r}; give True for a body of revolution, else False")
     if not problem.axisymmetric:
         return
-    if not isinstance(problem.material, HookeMaterial) or problem.material.plane == "stress":
-        raise ProblemError(f"material is {problem.material!r}, whose hoop stress is not known, and the body is one of "
-                           "revolution; give a HookeMaterial with plane='strain', which is the material in space")
+    material = problem.material
+    if material.plane == "stress" if isinstance(material, HookeMaterial) else material.dim == 2:
+        raise ProblemError(f"material is {material!r}, whose hoop stress is not known, and the body is one of revolution; give "
+                           "a HookeMaterial with plane='strain', which is the material in space, or an AnisotropicMaterial of "
+                           "6 x 6 numbers in the order r, z, theta")
     if problem.dim == 3:
         raise ProblemError("the data have 3 components and the body is one of revolution, which does not twist: displacements, "
                            "loads and friction lie in its section; give vectors (r, z), or take the body in space for a torque")

@@ -117,7 +117,7 @@ def _ByElement(mesh: Mesh, functions: list[Any]) -> Array:
 
 def _Material(disc: DiscreteProblem) -> Array:
     """C applied to one strain without symmetries, integrated over the elements, (ne, d (d + 1)/2)."""
-    dim = disc.mesh.dim
+    dim = disc.problem.frame.Directions(disc.mesh.dim)
     upper = np.triu_indices(dim)
     strain = np.zeros((dim, dim))
     strain[upper] = np.sqrt([2, 3, 5, 7, 11, 13][:len(upper[0])])

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from ..contracts import Array
+from ..exceptions import ProblemError
 from ..mesh.quadrature import BoundaryQuadrature
 from ..tools.values import Vectors
 from .conformingtractions import ContactTractions
@@ -18,7 +19,9 @@ BONUS = 4       # quadrature degrees beyond 2 k, as for the tractions of the con
 def Moment(solution: Any, region: str, point: Any, material: str | None) -> Array:
     """The moment of the force through a region about a point; see `ContactSolution.Moment`."""
     disc, dim = solution.disc, solution.disc.mesh.dim
-    disc.problem.frame.Refuse("Moment")
+    if disc.problem.axisymmetric and point is None:
+        raise ProblemError("the moments of a ring's forces cancel all around; give point=(r, z), the circle about which they "
+                           "turn its section")
     about = np.zeros(dim) if point is None else Vectors(point, (dim,), "point", f"give its {dim} coordinates, or None")
     on = SidesOf(disc, region)
     signs = np.zeros(len(disc.facets.neighbours))

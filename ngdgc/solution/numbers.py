@@ -41,6 +41,9 @@ class Quantities:
         """Moment about a point of the force on the body through a boundary region, (1,) in 2D, (3,) in 3D [stress length^d].
 
         int (x - point) x sigma n of the `Traction`; point None: the origin.  Region, `material` and errors as for `Force`.
+        Of a body of revolution the one that turns the section about the circle point = (r, z), which must be given, added up
+        all around, int (r - r_0) t_z - (z - z_0) t_r; in equilibrium those of all regions and loads are the hoop stress's,
+        -int sigma_tt (z - z_0)/r over the body.
         """
         return Moment(self, region, point, material)
 

@@ -229,7 +229,8 @@ def _Forces(numbers: dict[str, Any]) -> list[str]:
         rows.append(row)
         if resultant["integrated_stress"]:
             rows.append(_Row("  integrated sigma n", np.concatenate(resultant["integrated_stress"])[:len(columns)]))
-    rows += [_Row("sum", total), *inner]
+    # Radial tractions that point to all sides have no sum.
+    rows += [_Row("sum", [None, *total[1:]] if whole else total), *inner]
     balance = f"Balance: whole body {numbers['global_imbalance']:.1e}, equations {numbers['equilibrium_residual']:.1e}"
     if "element_imbalance" in numbers:
         balance += f", worst element {numbers['element_imbalance']:.1e} (relative)"
@@ -237,4 +238,4 @@ def _Forces(numbers: dict[str, Any]) -> list[str]:
 
 
 def _Row(label: str, modes: Any) -> str:
-    return f"  {label:<24}" + "".join(f"{mode:>13.5g}" for mode in modes)
+    return f"  {label:<24}" + "".join(f"{'-':>13}" if mode is None else f"{mode:>13.5g}" for mode in modes)

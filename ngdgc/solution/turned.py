@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from netgen.meshing import FaceDescriptor
 from netgen.meshing import Mesh as NetgenMesh
-from ngsolve import ET, H1, VOL, CoefficientFunction, GridFunction, IntegrationRule, Mesh
+from ngsolve import BND, ET, H1, VOL, CoefficientFunction, GridFunction, IntegrationRule, Mesh
 
 from ..contracts import Array
 from ..exceptions import ProblemError
@@ -18,6 +18,7 @@ from .vtkfiles import Pattern
 
 ANGLE, STEPS = 1.5 * np.pi, 36      # of the part that is shown, and facets along it
 SAME = 1e-9         # distance of two points that are one, relative to the body
+PEAK, SHARE = 2, 0.99       # a range of values so many times that of this share of the surface would take all colours
 
 
 @dataclass(frozen=True)
@@ -76,9 +77,10 @@ def DrawTurned(solution: Any, field: Field, scale: float, *, colors: Any, light:
     mesh, function, displacement = Turned(solution, field.function)
     points = np.asarray(mesh.ngmesh.Coordinates())
     camera = {"center": points.mean(axis=0).tolist(), "radius": 0.6 * float(np.linalg.norm(np.ptp(points, axis=0)))}
-    return Draw(function, mesh, field.plain, deformation=scale * displacement, show=False, order=1, colors=colors,
-                settings={"Objects": {"Edges": False, "Wireframe": False}, "Light": light}, draw_vol=False,
-                euler_angles=[-60, 0, 30], **camera).GetData()
+    state = Draw(function, mesh, field.plain, deformation=scale * displacement, show=False, order=1, colors=colors,
+                 settings={"Objects": {"Edges": False, "Wireframe": False}, "Light": light}, draw_vol=False,
+                 euler_angles=[-60, 0, 30], **camera).GetData()
+    return state | ColourLimits(*Shown(mesh, function))
 
 
 def Turned(solution: Any, function: CoefficientFunction) -> tuple[Mesh, GridFunction, GridFunction]:
@@ -99,6 +101,25 @@ def Turned(solution: Any, function: CoefficientFunction) -> tuple[Mesh, GridFunc
     values = np.asarray(function(section.points)).ravel()
     displacement = _Round(np.asarray(solution.gfu(section.points)).reshape(-1, 2)[owner], angle)
     return mesh, _Linear(mesh, values[owner][:, None]), _Linear(mesh, displacement)
+
+
+def Shown(mesh: Mesh, function: GridFunction) -> tuple[Array, Array]:
+    """(values (m,), areas (m,)) of the triangles of a surface."""
+    corners = np.array([[vertex.nr for vertex in element.vertices] for element in mesh.Elements(BND)])
+    points = np.asarray(mesh.ngmesh.Coordinates())[corners]
+    areas = np.linalg.norm(np.cross(points[:, 1] - points[:, 0], points[:, 2] - points[:, 0]), axis=1) / 2
+    return function.vec.FV().NumPy()[corners].mean(axis=1), areas
+
+
+def ColourLimits(values: Array, areas: Array) -> dict[str, Any]:
+    """Limits of the colours, and words for the bar, if few of the values (m,), by their areas, would take most colours."""
+    order = np.argsort(values)
+    share = np.cumsum(areas[order]) / areas.sum()
+    low, high = (float(values[order][np.searchsorted(share, part)]) for part in (1 - SHARE, SHARE))
+    if np.ptp(values) <= PEAK * (high - low):
+        return {}
+    words = f", colours for {100 * (2 * SHARE - 1):.0f} % of the surface, {values.min():.3g} to {values.max():.3g} in all"
+    return {"funcmin": low, "funcmax": high, "cut": words}
 
 
 def _Round(vectors: Array, angle: Array) -> Array:

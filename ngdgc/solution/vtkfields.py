@@ -26,7 +26,7 @@ def Written(solution: Any, path: str | PathLike[str], Write: Any) -> Path:
 
 def WriteBody(solution: Any, path: str | PathLike[str], elements: np.ndarray | None = None) -> Path:
     """The file of `export.WriteVTK`; elements : True for those that are written (elements,), None: all."""
-    disc, stress = solution.disc, SpatialStress(solution)
+    disc, stress, Weighted = solution.disc, SpatialStress(solution), solution.disc.problem.frame.Weighted
     degree = max(disc.order, disc.mesh.GetCurveOrder())
     grid = ElementGrid(disc.facets, 2 ** min(degree - 1, SUBDIVISION))
     fields = {"displacement": CF(solution.gfu), "stress": stress, "vonmises": VonMises(stress)}
@@ -34,7 +34,8 @@ def WriteBody(solution: Any, path: str | PathLike[str], elements: np.ndarray | N
     for name, field in fields.items():
         values[name] = np.asarray(field(grid.points)).reshape(len(grid.points), -1)
         # Of curved elements the integrand is a polynomial of more than their degree.
-        integrals = [np.array(Integrate(part, disc.mesh, order=3 * degree, element_wise=True)) for part in _Components(field)]
+        integrals = [np.array(Integrate(Weighted(part), disc.mesh, order=3 * degree, element_wise=True))
+                     for part in _Components(field)]
         means[name] = grid.Means(values[name], np.column_stack(integrals))
     for arrays in (values, means):
         arrays["displacement"] = _Spatial(arrays["displacement"])

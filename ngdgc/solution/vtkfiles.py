@@ -76,7 +76,7 @@ class ElementGrid:
     """
 
     def __init__(self, facets: Facets, n: int) -> None:
-        mesh, dim = facets.mesh, facets.mesh.dim
+        mesh, dim, self._frame = facets.mesh, facets.mesh.dim, facets.frame
         patterns = {et: Pattern(et, n) for et in VOLUME_TYPES[dim]}
         rules = {et: IntegrationRule([tuple(point) for point in points], [1.0] * len(points))
                  for et, (points, _, _) in patterns.items()}
@@ -103,8 +103,13 @@ class ElementGrid:
         self.elements = np.concatenate(elements)
 
     def Sizes(self) -> Array:
-        """Areas or volumes of the cells, (cells,)."""
-        return np.concatenate([_Sizes(self.coordinates[corners[:, np.array(SIMPLICES[kind])]]) for kind, corners in self.cells])
+        """Areas or volumes of the cells, (cells,), of a body of revolution the volumes around."""
+        found = []
+        for kind, corners in self.cells:
+            simplices = self.coordinates[corners[:, np.array(SIMPLICES[kind])]]     # cells, simplices, corners, 3
+            sizes, middles = _Sizes(simplices), simplices.mean(axis=2).reshape(-1, 3)
+            found.append(self._frame.Weights(sizes.ravel(), middles).reshape(sizes.shape).sum(axis=1))
+        return np.concatenate(found)
 
     def Of(self, elements: np.ndarray) -> tuple[np.ndarray, list[tuple[int, Any]], np.ndarray]:
         """(points used, cells with their numbers among these, cells kept) of some elements, True in (elements,)."""
@@ -127,11 +132,11 @@ class ElementGrid:
 
 
 def _Sizes(simplices: Array) -> Array:
-    """Sums over cells of the areas or volumes of their simplices (cells, simplices, corners, 3)."""
+    """Areas or volumes (cells, simplices) of the simplices of cells (cells, simplices, corners, 3)."""
     edges = simplices[:, :, 1:] - simplices[:, :, :1]
     if edges.shape[2] == 2:
-        return np.linalg.norm(np.cross(edges[:, :, 0], edges[:, :, 1]), axis=2).sum(axis=1) / 2
-    return np.abs(np.linalg.det(edges)).sum(axis=1) / 6
+        return np.linalg.norm(np.cross(edges[:, :, 0], edges[:, :, 1]), axis=2) / 2
+    return np.abs(np.linalg.det(edges)) / 6
 
 
 def WriteUnstructured(path: str | PathLike[str], coordinates: Array, cells: list[tuple[int, Any]],

@@ -4,15 +4,15 @@ import numpy as np
 import pytest
 from bodies import Mixed
 from netgen.geom2d import SplineGeometry
-from netgen.occ import Glue, MoveTo
-from ngsolve import BND, CF, Integrate, Mesh, Norm, Parameter, cos, exp, x, y
+from netgen.occ import Box, Cylinder, Glue, MoveTo, Z
+from ngsolve import BND, CF, Integrate, Mesh, Norm, Parameter, x, y, z
 from ngsolve.meshes import MakeStructured2DMesh
+from rings import STIFFNESS, Smooth
 
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, Discretization, Foundation, HookeMaterial,
                    IncompleteInteriorPenalty, InteriorPenalty, Joint, NonsymmetricInteriorPenalty, NormalCompliance,
-                   PenaltyFreeLDG, ProblemError, SemismoothNewtonSolver, Solve, SolveHistory, TrescaFriction)
+                   PenaltyFreeLDG, ProblemError, SemismoothNewtonSolver, Solve, SolveHistory)
 from ngdgc.errors import EnergyError, L2Error, Rates
-from ngdgc.exact import ExactStrain
 from ngdgc.export import Scene
 from ngdgc.mesh.facets import Csr
 from ngdgc.meshes import RectangleMesh, ShapeMesh
@@ -26,7 +26,6 @@ STEEL = HookeMaterial(E=100, nu=0.3)
 A, B, C = 0.01, -0.05, -0.02        # u_r = A r, u_z = B z + C
 HOOP, AXIAL = (STEEL.lam * (2 * A + B) + 2 * STEEL.mu * slope for slope in (A, B))    # sigma_rr = sigma_theta, sigma_zz
 EXACT = CF((A * x, B * y + C))
-STIFFNESS = 50.0
 SHARP = SemismoothNewtonSolver(tol=1e-13)      # that pressures have the digits of the linear equations
 
 
@@ -157,19 +156,6 @@ def test_coercive_at_the_axis(nu):
             CheckCoercivity(weak.form, weak.form.Matrix(), weak.space.FreeDofs())
 
 
-def Smooth():
-    """(problem, displacement): a field with all strains that reaches the axis, its loads, and slip with friction on z = 0."""
-    hoop = 0.1 * cos(x) * (1 + y * y / 2)        # u_r/r
-    u = CF((x * hoop, -0.3 * y - 0.05 * (1 + y) * cos(1.5 * x) - 0.02 * exp(y)))
-    material, plane = HookeMaterial(E=1, nu=0.3), ExactStrain(u)
-    stress = material.Stress(CF((plane[0, 0], plane[0, 1], 0, plane[1, 0], plane[1, 1], 0, 0, 0, hoop), dims=(3, 3)))
-    bodyforce = CF((-(stress[0, 0].Diff(x) + stress[0, 1].Diff(y) + 2 * material.mu * hoop.Diff(x)),
-                    -(stress[1, 0].Diff(x) + stress[1, 1].Diff(y) + stress[1, 0] / x)))
-    foundation = Foundation("bottom", NormalCompliance(STIFFNESS), gap=-u[1] + stress[1, 1] / STIFFNESS,
-                            friction=TrescaFriction(stress[0, 1]))
-    return ContactProblem(material, foundation, dirichlet={"top|right": u}, bodyforce=bodyforce, axisymmetric=True), u
-
-
 @pytest.mark.parametrize("method, order", [(InteriorPenalty(), 1), (InteriorPenalty(), 2), (BassiEtAl(form="lifting"), 2),
                                            (Conforming(), 2)], ids=["IP 1", "IP 2", "Bassi 2", "H1 2"])
 def test_orders_on_a_field_that_reaches_the_axis(method, order):
@@ -273,3 +259,27 @@ def test_turned_body_has_the_surface_of_three_quarters():
         lowest = displacement.vec.FV().NumPy().reshape(3, -1)[2].min()
         assert lowest == pytest.approx(solution.gfu[1](solution.disc.mesh(inner + 0.5, 1 - 1e-9)), rel=0.02)
     assert len(Scene(solution).Page()) < len(Scene(solution, turned=True).Page())
+
+
+def QuarterRing():
+    """The quarter x, y > 0 of the ring 1 < r < 2, 0 < z < 1, in space."""
+    body = (Cylinder((0, 0, 0), Z, 2, 1) - Cylinder((0, 0, 0), Z, 1, 1)) * Box((0, 0, 0), (3, 3, 1))
+    for face in body.faces:
+        px, py, pz = face.center
+        face.name = ("bottom" if pz < 1e-6 else "top" if pz > 1 - 1e-6 else "yz" if px < 1e-6 else "xz" if py < 1e-6
+                     else "left" if np.hypot(px, py) < 1.3 else "right")
+    return ShapeMesh(body, 0.7, order=2)
+
+
+def test_ring_in_space_has_the_same_forces():
+    """A ring upset in a bore: its quarter in space needs fifty times the unknowns for the same forces, within 1 %."""
+    def Upset(height, rollers):
+        bore = Foundation("right", NormalCompliance(100), gap=0.002 * height)       # that widens
+        return ContactProblem(STEEL, bore, roller={"top": -0.05, rollers: 0}, axisymmetric=height is y)
+
+    mesh = MakeStructured2DMesh(quads=True, nx=1, ny=2, mapping=lambda s, t: (1 + s, t))
+    ring = Solve(Discretization(Upset(y, "bottom"), LDG(), mesh, order=2))
+    quarter = Solve(Discretization(Upset(z, "bottom|xz|yz"), LDG(), QuarterRing(), order=2))
+    assert 4 * quarter.Force("top")[2] == pytest.approx(ring.Force("top")[1], rel=0.01)
+    assert 4 * quarter.normalforce == pytest.approx(ring.normalforce, rel=0.01)
+    assert 4 * quarter.disc.unknowns > 50 * ring.disc.unknowns

@@ -1,14 +1,18 @@
 """Mistakes with bodies of revolution, and what does not know them, as in `mistakes`."""
 
+import numpy as np
 from mistakes import SOFT, On
 from ngsolve import CF
 from ngsolve.meshes import MakeStructured2DMesh
 
-from ngdgc import (LDG, AnisotropicMaterial, ContactProblem, Discretization, EstimateError, Foundation, HookeMaterial,
-                   RigidPunch, Solve)
+from ngdgc import (LDG, AnisotropicMaterial, ContactProblem, Discretization, EstimateForce, Foundation, HookeMaterial,
+                   RigidPunch, Solve, SolveAdaptive)
 from ngdgc.export import Scene
 from ngdgc.meshes import BoxMesh
 from ngdgc.theory.consistency import ConsistencyVector
+
+TWIST = np.zeros((6, 6))
+TWIST[0, 4] = TWIST[4, 0] = 0.2     # sigma_rr of a shear in (r, theta)
 
 
 def Ring(*, material=None, foundation=None, axisymmetric=True, inner=0.0, mesh=None, **changes):
@@ -40,5 +44,10 @@ REVOLUTION = [
     (lambda _: Ring(foundation=On(punch=RigidPunch(force=(1, 2)))),
      "foundation 'bottom' | moves along the axis alone | give force=(None, F)"),
     (lambda _: Scene(Solve(Ring(axisymmetric=False)), turned=True), "turned is True | for a body of revolution | give True"),
-    (lambda _: EstimateError(Solve(Ring())), "EstimateError | for bodies that are the mesh itself | compare with a finer mesh"),
+    (lambda _: Ring(material=AnisotropicMaterial(np.diag([3.0, 3, 3, 1, 1, 1]) + TWIST)),
+     "couples strains in the section with shear across it | the body would twist | let these be 0"),
+    (lambda _: EstimateForce(Solve(Ring())), "EstimateForce | for bodies that are the mesh itself | compare with a finer mesh"),
+    (lambda _: SolveAdaptive(Ring().problem, LDG(), Ring().mesh, tol=0.1, goal="force"),
+     "SolveAdaptive with goal='force' | weight 2 pi r | compare"),
+    (lambda _: Solve(Ring()).Moment("top"), "moments of a ring's forces | cancel all around | give point=(r, z)"),
     (lambda _: ConsistencyVector(Ring(), CF((0, 0))), "ConsistencyVector | weight 2 pi r | the body in space")]

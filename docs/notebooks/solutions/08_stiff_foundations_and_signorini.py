@@ -20,3 +20,8 @@ def answer_3(q, k, gamma):
 
 # 8.4  O(h) + O(1/k).
 answer_4 = ("a", 1)
+
+
+# 8.5  Each point stands for a ring, 2 pi r long.
+def answer_5(p, r, weights):
+    return 2 * np.pi * np.sum(weights * r * p)

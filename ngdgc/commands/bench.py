@@ -10,6 +10,7 @@ from ..exceptions import ProblemError
 from ..methods.registry import METHODS, TakesForm
 from .arguments import Commands, Positive
 from .files import Files
+from .scaling import AddRanks
 from .studies import Page as StudyPage, Show, Write, WritePage
 
 
@@ -27,7 +28,9 @@ def AddBench(commands: Commands) -> None:
     bench.add_argument("--page", metavar="FILE", help="the documentation page to write (in a checkout docs/performance.md)")
     bench.add_argument("--out", default="results", help="folder for table and figure (default results/)")
     bench.set_defaults(command=Bench)
-    assembly = bench.add_subparsers(metavar="WHAT").add_parser(
+    kinds = bench.add_subparsers(metavar="WHAT")
+    AddRanks(kinds)
+    assembly = kinds.add_parser(
         "assembly", help="assembly of a method on Example 4.1", description="Seconds for spaces and "
         "checks, for assembly (all operators, penalty, matrix) and for NGSolve's factorisation of "
         "the matrix, in one run: medians, and the peak memory of the assembly.")

@@ -44,7 +44,6 @@ class ReplicatedContact(ContactBoundary):
 
     def __init__(self, problem: Any, own: Any, dofs: np.ndarray, dim: int, comm: Any) -> None:
         self.comm = comm
-        self._ways: tuple[Callable[[Array], Array], Callable[[Array], Array]] = np.asarray, np.asarray
         counts = np.zeros(len(problem.foundation), dtype=np.int64)
         if own is not None:
             at = [number for part in own.parts for number, one in enumerate(problem.foundation) if one is part.foundation]
@@ -65,6 +64,8 @@ class ReplicatedContact(ContactBoundary):
         self.parts = [self._Part(foundation, slice(int(a), int(b)), local.get(id(foundation)))
                       for foundation, a, b in zip(problem.foundation, ends[:-1], ends[1:])]
         self.trace = sp.csr_matrix((0, len(dofs))) if own is None else own.trace[:, dofs].tocsr()
+        load = self.trace.T.tocsr()
+        self._ways: tuple[Callable[[Array], Array], Callable[[Array], Array]] = self.trace.__matmul__, load.__matmul__
 
     def _All(self, values: Array) -> Array:
         """Arrays over the own points, of all ranks, in the order of all points."""
@@ -86,16 +87,16 @@ class ReplicatedContact(ContactBoundary):
         return Watched(everywhere)
 
     def Through(self, To: Callable[[Array], Array], Back: Callable[[Array], Array]) -> ReplicatedContact:
-        """The same points for functions of a subspace: To makes a vector of V_h of one there, Back is its adjoint."""
+        """The same points for functions of a subspace: To is the trace at the own points, Back its adjoint."""
         other = copy(self)
         other._ways = To, Back
         return other
 
     def Displacement(self, vector: Array) -> Array:
-        return self._All((self.trace @ self._ways[0](vector)).reshape(-1, self.dim))
+        return self._All(self._ways[0](vector).reshape(-1, self.dim))
 
     def Load(self, traction: Array) -> Array:
-        return self._ways[1](self.trace.T @ (self.weights[:, None] * traction)[self.mine].ravel())
+        return self._ways[1]((self.weights[:, None] * traction)[self.mine].ravel())
 
     def Stiffness(self, stiffness: Array) -> sp.csr_matrix:
         """T' W D T of the own elements; in a subspace too."""

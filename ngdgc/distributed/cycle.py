@@ -13,46 +13,54 @@ from .petsc import Petsc
 
 LIKEFACTORS = 1e-11     # relative residual of solutions that take the place of a factorisation's
 MAXITER = 500
-# Smoothed aggregation; every level is smoothed by Chebyshev's polynomials of degree 2.
-COARSE = {"pc_gamg_agg_nsmooths": 1, "mg_levels_ksp_type": "chebyshev", "mg_levels_pc_type": "jacobi",
-          "mg_levels_ksp_max_it": 2}
+ENTRIES = 29            # where MUMPS tells how many its factors have
+PREFIX = "ngdgc_"       # of the options of PETSc with which users choose another coarse solver
+SWEEPS = {"down": "forward", "up": "backward"}      # before and after continuous functions: one the adjoint of the other
+GAMG = {"pc_gamg_agg_nsmooths": 1, "mg_levels_ksp_type": "chebyshev", "mg_levels_pc_type": "jacobi", "mg_levels_ksp_max_it": 2}
+# Unknowns of a vertex together, Gauss-Seidel that is symmetric.
+HYPRE = {"pc_hypre_type": "boomeramg", "pc_hypre_boomeramg_strong_threshold": 0.5, "pc_hypre_boomeramg_nodal_coarsen": 6,
+         "pc_hypre_boomeramg_vec_interp_variant": 3, "pc_hypre_boomeramg_coarsen_type": "HMIS",
+         "pc_hypre_boomeramg_interp_type": "ext+i", "pc_hypre_boomeramg_relax_type_all": "symmetric-SOR/Jacobi"}
 
 
 class CycleInverse:
     """A^-1 of PETSc's matrix, which keeps `contracts.InexactInverse` for vectors of the own elements.
 
-    embedding : E, PETSc's matrix;  motions : rigid motions of continuous functions, PETSc's null space
+    coarse : E' A E, PETSc's;  embedding : E, PETSc's
     """
 
-    def __init__(self, matrix: Any, embedding: Any, motions: Any) -> None:
+    def __init__(self, matrix: Any, coarse: Any, embedding: Any) -> None:
         PETSc = Petsc()
-        coarse = matrix.PtAP(embedding)
-        coarse.setNearNullSpace(motions)
-        blocks = matrix.convert("baij", PETSc.Mat())
         self.iterations, self._ksp = 0, PETSc.KSP().create(matrix.getComm())
         self._ksp.setType("cg")
-        self._ksp.setOperators(blocks)
-        pc = self._ksp.getPC()
+        self._ksp.setOperators(matrix)
+        self._ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
+        pc, options = self._ksp.getPC(), PETSc.Options()
         pc.setType("mg")
         pc.setMGLevels(2)
         pc.setMGInterpolation(1, embedding)
-        smoother, inner = pc.getMGSmoother(1), pc.getMGCoarseSolve()
-        smoother.setOperators(blocks)
-        smoother.setType("richardson")
-        smoother.setTolerances(max_it=1)
-        smoother.setNormType(PETSc.KSP.NormType.NONE)
-        smoother.getPC().setType("sor")
+        for smoother, (side, sweep) in zip((pc.getMGSmootherDown(1), pc.getMGSmootherUp(1)), SWEEPS.items()):
+            smoother.setOperators(matrix)
+            smoother.setType("richardson")
+            smoother.setTolerances(max_it=1)
+            smoother.setNormType(PETSc.KSP.NormType.NONE)
+            smoother.setInitialGuessNonzero(side == "up")
+            smoother.getPC().setType("sor")
+            options[f"{PREFIX}{side}_pc_sor_local_{sweep}"] = True
+            smoother.setOptionsPrefix(f"{PREFIX}{side}_")
+            smoother.setFromOptions()
+        inner = pc.getMGCoarseSolve()
         inner.setOperators(coarse)
         inner.setType("preonly")
-        inner.getPC().setType("gamg")
-        options, prefix = PETSc.Options(), "ngdgc_"
-        for name, value in COARSE.items():
-            options[prefix + name] = value
-        inner.setOptionsPrefix(prefix)
+        kind = options.getString(PREFIX + "pc_type", "gamg")
+        inner.getPC().setType(kind)
+        for name, value in {"gamg": GAMG, "hypre": HYPRE}.get(kind, {}).items():
+            if not options.hasName(PREFIX + name):
+                options[PREFIX + name] = value
+        inner.setOptionsPrefix(PREFIX)
         inner.setFromOptions()
-        self._ksp.setNormType(PETSc.KSP.NormType.UNPRECONDITIONED)
         self._ksp.setUp()
-        self._load, self._solution = blocks.createVecs("left"), blocks.createVecs("right")
+        self._load, self._solution = matrix.createVecs("left"), matrix.createVecs("right")
 
     def Solve(self, load: Array, *, tol: float = LIKEFACTORS, start: Array | None = None) -> Array:
         """A^-1 load to a relative residual, from a start; ProblemError on all ranks where that is not reached."""
@@ -82,6 +90,12 @@ class FactorsInverse:
         self._ksp.getPC().setFactorSolverType("mumps")
         self._ksp.setUp()
         self._load, self._solution = matrix.createVecs("left"), matrix.createVecs("right")
+
+    @property
+    def entries(self) -> int:
+        """Of the factors, those of all ranks."""
+        count = self._ksp.getPC().getFactorMatrix().getMumpsInfog(ENTRIES)
+        return int(count if count >= 0 else -count * 1_000_000)     # in millions where they are many
 
     def Solve(self, load: Array) -> Array:
         self._load.setArray(load)

@@ -15,7 +15,6 @@ from ..discrete.problem import DiscreteProblem
 from ..discrete.state import State
 from ..linear.equations import LinearEquations
 from ..linear.motions import ProjectedMotions
-from ..mesh.facets import Csr, Native
 from ..tools.calls import ByKeyword
 from .contact import NoContact, OwnContact
 from .local import LocalFacets, LocalMesh
@@ -49,10 +48,6 @@ class LocalProblem(DiscreteProblem):
         self.state = State(self.problem, self.mesh)
         self.own = OnAll(self.part.comm, lambda: OwnContact(self))
         self.contact = self.own or NoContact(self.space)
-
-    def Whole(self, matrix: Any) -> Any:
-        """NGSolve's matrix of a form and of springs."""
-        return Native(Csr(matrix) + self.addedmatrix)
 
     def PrescribedEnergy(self) -> float:
         """The share of the own elements."""

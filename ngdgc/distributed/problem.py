@@ -22,10 +22,10 @@ from .covered import CheckCovered, CheckRoom
 from .cycle import CycleInverse, NearNullSpace
 from .local import LocalMesh
 from .part import LocalProblem
-from .petsc import OnAll, OnFirst, Rows, Summed
+from .petsc import Applied, OnAll, OnFirst, Plus, Rows, Summed, TripleProduct
 from .rows import RowNumbering
 from .solution import DistributedSolution
-from .subspace import DistributedSubspace
+from .subspace import DistributedSubspace, NearContact
 
 
 class SpreadForm:
@@ -101,8 +101,9 @@ class DistributedProblem(LinearEquations, Placed):
         if not form.guarantee.holds:
             raise ProblemError(f"{form.guarantee.culprit} is not certain to be coercive, and on a DistributedMesh no "
                                "eigenvalue is computed; take penalty='auto'")
-        matrix = OnAll(self.mesh.comm, form.Matrix)
-        return self.numbering.Matrix(matrix if self.local.addedmatrix is None else self.local.Whole(matrix))
+        blocks = self.numbering.Matrix(OnAll(self.mesh.comm, form.Matrix))
+        springs, own = self.local.addedmatrix, self.numbering.dofs
+        return blocks if springs is None else Plus(blocks, self.numbering.Added(springs[own][:, own].tocsr()))
 
     @cached_property
     def loads(self) -> dict[tuple[str, str | None], Array]:
@@ -118,31 +119,42 @@ class DistributedProblem(LinearEquations, Placed):
         return SpreadForm(self.local, self.mesh.comm)
 
     @cached_property
-    def _levels(self) -> tuple[Any, Any]:
-        """(E, rigid motions) of the cycle."""
-        local, dim = self.numbering.local, self.mesh.dim
-        vertices = dim * int(local.ownvertices.sum())
-        return Rows(self.numbering.Embedding(), self.numbering.size, vertices, self.mesh.comm), NearNullSpace(local)
+    def reduced(self) -> tuple[Any, Any, Any]:
+        """(P, Q, P' A P) of X_h, see `subspace.NearContact`."""
+        prolongation, embedding = NearContact(self)
+        return prolongation, embedding, TripleProduct(self.matrix, prolongation)
 
-    def Sum(self, added: sp.csr_matrix | None) -> Any:
-        """A + added, PETSc's; added scipy, as `ReplicatedContact.Stiffness` has it."""
-        if added is None:
-            return self.matrix
-        total, PETSc = self.matrix.copy(), type(self.matrix)
-        total.axpy(1.0, self.numbering.Added(added, self.matrix.getOwnershipRange()[0]), PETSc.Structure.SUBSET)
-        return total
+    @cached_property
+    def _levels(self) -> tuple[Any, Any]:
+        """(E, E' A E) of the cycle; E = P Q, and A is large."""
+        numbering, dim = self.numbering, self.mesh.dim
+        vertices, blocks = dim * int(numbering.local.ownvertices.sum()), (numbering.block, dim)
+        embedding = Rows(numbering.Embedding(), numbering.size, vertices, self.mesh.comm, blocks)
+        return embedding, TripleProduct(self.reduced[2], self.reduced[1])
+
+    def Continuous(self, added: Any = None) -> Any:
+        """E' (A + added) E with the rigid motions, for the cycles; added PETSc's, or None."""
+        embedding, coarse = self._levels
+        if added is not None:
+            coarse = Plus(coarse, TripleProduct(added, embedding))
+        coarse.setNearNullSpace(NearNullSpace(self.numbering.local))
+        return coarse
 
     def FactoriseSum(self, added: sp.csr_matrix) -> Any:
-        return self.Factorise(self.Sum(added))
+        """The inverse of A + added, as `ReplicatedContact.Stiffness` has it."""
+        return self.Factorise(self.numbering.Added(added))
+
+    @cached_property
+    def inverse(self) -> Any:
+        return self.Factorise(None)
 
     def MakeInverse(self, matrix: Any) -> CycleInverse:
-        return CycleInverse(matrix, *self._levels)
+        """That of A and PETSc's matrix, or None, that is added to it."""
+        coarse = self.Continuous(matrix)
+        return CycleInverse(self.matrix if matrix is None else Plus(self.matrix, matrix), coarse, self._levels[0])
 
     def Multiply(self, vector: Array) -> Array:
-        source, target = self.matrix.createVecs()
-        source.setArray(vector)
-        self.matrix.mult(source, target)
-        return target.getArray().copy()
+        return Applied(self.matrix)(vector)
 
     def Norm(self, vector: Array) -> float:
         return float(np.sqrt(Summed(self.mesh.comm, np.array(vector @ vector))))

@@ -11,24 +11,31 @@ from ..contracts import Array
 from ..linear.equations import LinearEquations
 from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
-from .cycle import FactorsInverse
-from .petsc import Petsc, Rows
+from .cycle import CycleInverse, FactorsInverse
+from .petsc import Applied, Petsc, Plus, Rows, TripleProduct
 from .rows import Gathered, RowNumbering
+
+FACTORISED = 150_000        # unknowns of X_h up to which its factors take less time than conjugate gradients
 
 
 @ByKeyword
 class DistributedSubspace(LinearEquations):
-    """`solvers.newton.subspace.Subspace` of a DistributedProblem: displacements u_0 + P x, solved by the factors of MUMPS."""
+    """`solvers.newton.subspace.Subspace` of a DistributedProblem: displacements u_0 + P x.
+
+    It is solved by the factors of MUMPS, where there are more than FACTORISED unknowns by conjugate gradients.
+    """
 
     prescribed, unresisted, resultant = 0.0, None, None
 
     def __init__(self, disc: Any) -> None:
         super().__init__()
         self.disc, self.mesh, self.problem, self.order = disc, disc.mesh, disc.problem, disc.order
-        self._prolongation = NearContact(disc)
-        self._small, self._large = self._prolongation.createVecRight(), self._prolongation.createVecLeft()
-        self.contact = disc.contact.Through(self._Prolonged, self._Restricted)
-        self.inverse = self.FactoriseSum(None)
+        self._prolongation, self._embedding, self.matrix = disc.reduced
+        self._Prolong, self._Restrict = Applied(self._prolongation), Applied(self._prolongation, transposed=True)
+        # As products with P itself, which is as long as V_h, they would take most of the time.
+        trace = disc.numbering.OfVectors(disc.contact.trace, self.mesh.dim).matMult(self._prolongation)
+        self.contact = disc.contact.Through(Applied(trace), Applied(trace, transposed=True))
+        self.inverse = self.Factorise(None)
         self._Correct(np.zeros(len(disc.load)))
 
     @property
@@ -43,14 +50,18 @@ class DistributedSubspace(LinearEquations):
 
     def Whole(self, vector: Array) -> Array:
         """u_0 + P x, from x."""
-        return self.vector + self._Prolonged(vector)
+        return self.vector + self._Prolong(vector)
 
-    def FactoriseSum(self, added: sp.csr_matrix | None) -> FactorsInverse:
+    def FactoriseSum(self, added: sp.csr_matrix) -> Any:
         """The inverse of P' (A + added) P; added scipy, as `ReplicatedContact.Stiffness` has it."""
-        return self.Factorise(self.disc.Sum(added).PtAP(self._prolongation))    # type: ignore[return-value]
+        return self.Factorise(self.disc.numbering.Added(added))
 
-    def MakeInverse(self, matrix: Any) -> FactorsInverse:
-        return FactorsInverse(matrix)
+    def MakeInverse(self, matrix: Any) -> FactorsInverse | CycleInverse:
+        """That of P' A P and PETSc's matrix on V_h, or None, that is added to A."""
+        whole = self.matrix if matrix is None else Plus(self.matrix, TripleProduct(matrix, self._prolongation))
+        if self.unknowns <= FACTORISED:
+            return FactorsInverse(whole)
+        return CycleInverse(whole, self.disc.Continuous(matrix), self._embedding)
 
     def ApplyInverse(self, inverse: Any, load: Array) -> Array:
         self.solves += 1
@@ -58,21 +69,14 @@ class DistributedSubspace(LinearEquations):
 
     def _Correct(self, vector: Array) -> None:
         self.vector, self.shift = vector, self.disc.contact.Displacement(vector)
-        self.load = self._Restricted(self.disc.load - self.disc.Multiply(vector))
-
-    def _Prolonged(self, vector: Array) -> Array:
-        self._small.setArray(vector)
-        self._prolongation.mult(self._small, self._large)
-        return self._large.getArray().copy()
-
-    def _Restricted(self, vector: Array) -> Array:
-        self._large.setArray(vector)
-        self._prolongation.multTranspose(self._large, self._small)
-        return self._small.getArray().copy()
+        self.load = self._Restrict(self.disc.load - self.disc.Multiply(vector))
 
 
-def NearContact(disc: Any) -> Any:
-    """P as PETSc's matrix; of each rank first the functions of its vertices, then those of its elements near Gamma_C."""
+def NearContact(disc: Any) -> tuple[Any, Any]:
+    """P, and Q with E = P Q from continuous functions of order 1 to X_h, PETSc's matrices.
+
+    Of each rank first the functions of its vertices, then those of its elements near Gamma_C.
+    """
     numbering: RowNumbering = disc.numbering
     local, dim, block = numbering.local, numbering.local.dim, numbering.block
     elements = disc.local.facets.vertices
@@ -90,11 +94,23 @@ def NearContact(disc: Any) -> Any:
     vertex = np.searchsorted(local.vertices, vertex)
     kept = beyond[vertex]
     rows = (np.flatnonzero(near)[:, None] * block + np.arange(block)).ravel()
-    columns = first + dim * nodes + np.arange(len(rows))
-    entries = np.concatenate([embedding.data[kept], np.ones(len(rows))])
-    places = (np.concatenate([embedding.row[kept], rows]), np.concatenate([(number[vertex] + component)[kept], columns]))
-    matrix = sp.csr_matrix((entries, places), shape=(numbering.size, int(max(places[1], default=0)) + 1))
-    return Rows(matrix, numbering.size, size, local.comm)
+    place = np.zeros(numbering.size, dtype=np.int64)        # in X_h, of this rank
+    place[rows] = inside = dim * nodes + np.arange(len(rows))
+    prolongation = _Entries((embedding.data[kept], embedding.row[kept], (number[vertex] + component)[kept]),
+                            (np.ones(len(rows)), rows, first + inside), numbering.size)
+    corner = (dim * local.vertices[beyond & local.ownvertices][:, None] + np.arange(dim)).ravel()
+    rest = ~kept & near[embedding.row // block]
+    restored = _Entries((np.ones(len(corner)), np.arange(len(corner)), corner),
+                        (embedding.data[rest], place[embedding.row[rest]], embedding.col[rest]), size)
+    vertices = dim * int(local.ownvertices.sum())
+    return (Rows(prolongation, numbering.size, size, local.comm, (block, dim)),
+            Rows(restored, size, vertices, local.comm, (dim, dim)))
+
+
+def _Entries(some: tuple[Any, ...], others: tuple[Any, ...], height: int) -> sp.csr_matrix:
+    """The matrix of two sets of (values, rows, columns)."""
+    values, rows, columns = (np.concatenate(parts) for parts in zip(some, others))
+    return sp.csr_matrix((values, (rows, columns)), shape=(height, int(columns.max(initial=0)) + 1))
 
 
 def _Marked(local: Any, vertices: np.ndarray) -> np.ndarray:

@@ -117,4 +117,5 @@ COMMANDS = [
     (Typed("sweep --count 1 --out OUT", "sweep.jsonl"), "cannot write into | Is a directory | choose another --out"),
     (Typed("sweep --count 3 --dofs 10 --out OUT"), "dofs is 10 | too few for a mesh with | give more"),
     (Typed("grid --geometry ball --out OUT"), "no geometry 'ball' | one of 4.1, 4.2 | choose"),
+    (Typed("bench ranks --rows OUT/file2 --out OUT"), "file2' does not have rows | of an earlier run | give its scaling.json"),
     (Typed("bench --only nothing --out OUT"), "no bench has 'nothing' in its name | among | choose")]

@@ -11,7 +11,7 @@ from problems import Example
 from ngdgc import LDG, AnisotropicMaterial, CheckUniqueness, Conforming, ProblemError, Solve, TrescaFriction, meshes
 from ngdgc.studies import accuracy, convergence, locking
 from ngdgc.studies.atlas import solvers as atlas
-from ngdgc.studies.bench import solutions as bench
+from ngdgc.studies.bench import ranks, solutions as bench
 from ngdgc.theory.consistency import ConsistencyResidual
 from ngdgc.exact import AffinePatch, SmoothSlip, WinklerColumn
 from ngdgc.theory.lemmas import CriticalPenalty
@@ -27,7 +27,13 @@ def Meshed(**failing):
         return ShapeMesh(Circle((0, 0), 1).Face(), 1, order=2)
 
 
+def WithoutMpi():
+    with patch.object(ranks.subprocess, "run", side_effect=FileNotFoundError("no such file: mpirun")):
+        ranks.Measure(ranks.Task(ranks=3, n=1))
+
+
 STUDIES = [
+    (lambda _: WithoutMpi(), "3 ranks came to no result | no such file: mpirun | see the page 'Beyond one machine'"),
     (lambda _: AffinePatch("glue"), "zone is 'glue' | 'slip', 'stick' or 'open' | choose"),
     (lambda _: AffinePatch("slip", dim=1), "dim is 1 | 2 or 3 | choose"),
     (lambda _: AffinePatch("slip", sides="free"), "sides is 'free' | 'dirichlet', 'traction' or 'roller' | choose"),

@@ -18,7 +18,7 @@ from ngsolve import (BND, CF, QUAD, SEGM, TRIG, VOL, BoundaryFromVolumeCF, Coeff
 
 from ..contracts import Array
 from ..exceptions import ProblemError
-from ..tools.formula import Plain
+from ..tools.formula import Numeric
 
 # Nodes of expressions that have one value on a boundary, whatever they are seen from.
 EVERYWHERE = ("CoordCoefficientFunction", "ConstantCoefficientFunction", "ParameterCoefficientFunction",
@@ -35,14 +35,15 @@ def FromInside(value: Any, region: Region, name: str) -> Any:
     Raises ProblemError for a function that has no values there.
     """
     value = CF(value)
-    return value if Plain(value) else _Translation(region, name).Of(value)
+    return value if Numeric(value) else _Translation(region, name).Of(value)
 
 
 def OnBoundary(value: Any, region: Region, name: str) -> Any:
     """The same for points of boundary elements, and for NGSolve's `Set` there."""
-    value, translation = CF(value), _Translation(region, name)
-    if Plain(value):
+    value = CF(value)
+    if Numeric(value):      # what NGSolve prints is a hundred times cheaper than its nodes
         return value
+    translation = _Translation(region, name)
     seen = translation.Of(value)
     # Coordinates stay those of the boundary element: sqrt(1 - x) is not to fail at x = 1 by the round-off of another map.
     return value if translation.everywhere else BoundaryFromVolumeCF(seen)
@@ -50,7 +51,7 @@ def OnBoundary(value: Any, region: Region, name: str) -> Any:
 
 def CheckMaterials(value: Any, mesh: Mesh, name: str) -> None:
     """Raise ProblemError for a MaterialCF, also within an expression, that lacks a material of the elements and is 0 there."""
-    seen, waiting = {}, [value] if isinstance(value, CoefficientFunction) and not Plain(value) else []
+    seen, waiting = {}, [value] if isinstance(value, CoefficientFunction) and not Numeric(value) else []
     while waiting:
         node = waiting.pop()
         if not isinstance(node, CoefficientFunction) or node in seen:

@@ -71,12 +71,12 @@ class DiscreteProblem(LinearEquations, Placed):
         self.derived: dict[str, Any] = {}
         self.elastic: dict[str, Any] = {}
         self.pieces: Pieces = {}
-        self._Read()
+        self._Read(State(self.problem, self.given))
         self.added = AddedForms(self.space, self.facets)
 
-    def _Read(self) -> None:
+    def _Read(self, state: State) -> None:
         """Evaluate the data as they are now."""
-        self.state = State(self.problem, self.given)
+        self.state = state
         CheckData(self.problem, self.mesh, self.facets)
         scalar = self.method.ScalarSpace(self.mesh, self.order)
         CheckSpace(self.method, self.space, scalar, self.mesh, "|".join(self.problem.dirichlet))
@@ -95,7 +95,7 @@ class DiscreteProblem(LinearEquations, Placed):
         current.motion = None
         same = added.SameMatrix(self.added) and not any(name.startswith(("material", "spring")) for name in changed)
         current.derived, current.elastic, current.added = {}, self.elastic if same else {}, added
-        current._Read()
+        current._Read(self.state.Now())
         return current
 
     def __repr__(self) -> str:

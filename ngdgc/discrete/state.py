@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
+from copy import copy
 from functools import wraps
 from typing import Any, TypeVar, cast
 from zlib import crc32
@@ -75,6 +76,12 @@ class State:
         self._parameters = [(name, leaf, leaf.Get()) for name, leaf in leaves if isinstance(leaf, Parameter)]
         self._fields = [(name, leaf, _Digest(leaf)) for name, leaf in leaves if isinstance(leaf, GridFunction)]
         self._laws = [(name, law, _Plain(law)) for name, law in _Laws(problem)]
+
+    def Now(self) -> State:
+        """The same with the values that Parameters have now, of what has not changed otherwise (`CheckFixed`)."""
+        now = copy(self)
+        now._nested, now._parameters = False, [(name, leaf, leaf.Get()) for name, leaf, _ in self._parameters]
+        return now
 
     def Parameters(self) -> list[str]:
         """The names of the data in which a Parameter has another value now, a list."""

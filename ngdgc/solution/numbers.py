@@ -32,6 +32,12 @@ class Quantities:
     ElementImbalance: Any
 
     @cached_property
+    @AsRead
+    def testedfluxes(self) -> dict[str | None, Array]:
+        """The numerical flux tested on the functions of V_h, {region, or None inside: (ndof,)} (`contracts.Form.Fluxes`)."""
+        return dict(self.disc.form.Fluxes(self.gfu))
+
+    @cached_property
     def worst(self) -> float:
         """The largest `ElementImbalance` of an element."""
         return float(np.abs(self.ElementImbalance()).max())

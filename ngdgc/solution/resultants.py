@@ -72,7 +72,7 @@ def Resultants(solution: Any) -> list[Resultant]:
     found = [Resultant("dirichlet", region, *Split(modes), Split(basis @ stress))
              for region, modes, stress in _StrongReactions(solution)]
     found += [Resultant("roller" if region in disc.problem.roller else "dirichlet", region, *Split(basis @ flux))
-              for region, flux in disc.form.Fluxes(solution.gfu).items() if region is not None]
+              for region, flux in solution.testedfluxes.items() if region is not None]
     found += [Resultant(kind, region, *Split(basis @ load)) for (kind, region), load in disc.loads.items()
               if kind in LOADS]
     found += [Resultant("spring", region, *Split(-(basis @ (matrix @ solution.vector))))
@@ -162,7 +162,7 @@ def ElementImbalance(solution: Any) -> Array:
 def ElementForces(solution: Any) -> Array:
     """Forces and moments on each element, (contributions, modes, elements), of fluxes, loads, springs and contact."""
     disc = solution.disc
-    contributions = [*disc.form.Fluxes(solution.gfu).values()]
+    contributions = [*solution.testedfluxes.values()]
     contributions += [load for (kind, _), load in disc.loads.items() if kind in LOADS]
     contributions += [-(matrix @ solution.vector) for matrix in disc.springs.values()]
     contributions += [-disc.contact.Load(solution.traction), AddedForce(solution)]

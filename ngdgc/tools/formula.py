@@ -23,6 +23,9 @@ PLAIN = re.compile(r"""coef\ |[-\d.e+]+\*\(|\)|(unary|binary)\ operation\ '[^']*
                        subtensor\ \[\ first:|num:|dist:|[()\]]|(Matrix\ |tensor-)transpose(\ \[)?|symmetric|trace|
                        real|dims?\ ?=|[-\d.e+x]+|inf|nan|[,\s]""", re.VERBOSE)
 
+# The same of a Parameter: alone, and as a part of something.
+PARAMETER = re.compile(r"ParameterCF, val =|N5ngfem28ParameterCoefficientFunctionIdEE")
+
 
 def Plain(function: Any) -> bool:
     """True if a CoefficientFunction is made of numbers and coordinates alone, which it is not if that cannot be told.
@@ -33,6 +36,11 @@ def Plain(function: Any) -> bool:
     """
     # A large function repeats its lines: a derivative has hundreds of kinds in ten thousand.
     return all(map(_PlainLine, set(str(function).split("\n"))))
+
+
+def Numeric(function: Any) -> bool:
+    """The same with Parameters: True for what has one value at a point, whichever element it is seen from."""
+    return all(map(_PlainLine, set(PARAMETER.sub("", str(function)).split("\n"))))
 
 
 @lru_cache(4096)

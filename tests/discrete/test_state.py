@@ -10,7 +10,7 @@ from ngsolve import (CF, H1, BilinearForm, BoundaryFromVolumeCF, GridFunction, I
 from ngdgc import (LDG, BassiEtAl, BrezziEtAl, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
                    HookeMaterial, InteriorPenalty, MultiStart, NormalCompliance, NotConvergedError, ProblemError,
                    SemismoothNewtonSolver, Solve, UzawaSolver)
-from ngdgc.tools.formula import Plain
+from ngdgc.tools.formula import Numeric, Plain
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
 SOLVERS = [SemismoothNewtonSolver(), UzawaSolver()]
@@ -256,8 +256,10 @@ def test_what_is_printed_tells_numbers_and_coordinates_from_the_rest():
 
     for function in (CF((0.05, -0.1)), IfPos(x - 0.5, 1, 0), x ** 2 / 3 - y, CF((0, 0)), 1e-30 * x, CF(float("nan")),
                      *Tensors(x * y)):
-        assert Plain(function)
-    for function in (a * x, field, CF((x, 2 * field)), grad(field)[0], specialcf.normal(2), mesh.MaterialCF({".*": 1}),
-                     IfPos(a, x, y), mesh.BoundaryCF({"left": 1}), (x * x).Compile(), specialcf.mesh_size,
-                     BoundaryFromVolumeCF(x), *Tensors(a * x), *Tensors(field), *Tensors(specialcf.normal(2)[0])):
+        assert Plain(function) and Numeric(function)
+    numeric = [a * x, IfPos(a, x, y), a, CF((a, 1)), *Tensors(a * x)]     # one value at a point, which may change
+    for function in (*numeric, field, CF((x, 2 * field)), grad(field)[0], specialcf.normal(2), mesh.MaterialCF({".*": 1}),
+                     mesh.BoundaryCF({"left": 1}), (x * x).Compile(), specialcf.mesh_size,
+                     BoundaryFromVolumeCF(x), *Tensors(field), *Tensors(specialcf.normal(2)[0])):
         assert not Plain(function)
+        assert Numeric(function) == (function in numeric)

@@ -41,8 +41,8 @@ def test_affine_patch(zone, order, cells, ten):
 @pytest.mark.parametrize("cells, order", [*((cells, order) for cells in ("tet", "hex", "prism") for order in (1, 2)),
                                           ("tet", 3), ("tet", 4), ("hex", 3), ("prism", 4)])
 def test_affine_patch_in_three_dimensions(cells, order, ten):
-    exact = Patch("slip", dim=3)
-    solution = SOLVER.Solve(Discretization(exact.problem, ten, BoxMesh(2 if order < 3 else 1, cells=cells), order=order))
+    exact, n = Patch("slip", dim=3), 2 if order == 1 or (cells, order) == ("hex", 2) else 1     # one hexahedron has no neighbours
+    solution = SOLVER.Solve(Discretization(exact.problem, ten, BoxMesh(n, cells=cells), order=order))
     assert L2Error(solution, exact.displacement) < 1e-10
     assert solution.ZoneLengths()["slip"] == pytest.approx(1)
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
@@ -136,6 +136,7 @@ def test_a_flux_without_stabilisation_does_not_balance(method, monkeypatch):
     stabilisation = FacetForm.FacetMatrix
     solution = SemismoothNewtonSolver().Solve(Discretization(Example(), method, Distorted("triangle"), order=1))
     assert np.abs(solution.ElementImbalance()).max() < 1e-10
+    del solution.testedfluxes
     monkeypatch.setattr(FacetForm, "FacetMatrix", lambda form, patch: 0 * stabilisation(form, patch))
     assert np.abs(solution.ElementImbalance()).max() > 1e-3
 

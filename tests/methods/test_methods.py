@@ -41,7 +41,7 @@ def test_affine_patch(zone, order, cells, ten):
 @pytest.mark.parametrize("cells, order", [*((cells, order) for cells in ("tet", "hex", "prism") for order in (1, 2)),
                                           ("tet", 3), ("tet", 4), ("hex", 3), ("prism", 4)])
 def test_affine_patch_in_three_dimensions(cells, order, ten):
-    exact, n = Patch("slip", dim=3), 2 if order == 1 or (cells, order) == ("hex", 2) else 1     # one hexahedron has no neighbours
+    exact, n = Patch("slip", dim=3), 2 if order == 1 or (cells, order) == ("hex", 2) else 1  # not one element
     solution = SOLVER.Solve(Discretization(exact.problem, ten, BoxMesh(n, cells=cells), order=order))
     assert L2Error(solution, exact.displacement) < 1e-10
     assert solution.ZoneLengths()["slip"] == pytest.approx(1)

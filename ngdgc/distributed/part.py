@@ -42,10 +42,10 @@ class LocalProblem(DiscreteProblem):
         self.space = method.Space(self.mesh, order, "")
         self.derived, self.elastic, self.memory, self.pieces = {}, {}, Memory(), {}
         self.added = AddedForms(self.space, self.facets)
-        self._Read()
+        self._Read(State(self.problem, self.mesh))
 
-    def _Read(self) -> None:
-        self.state = State(self.problem, self.mesh)
+    def _Read(self, state: State) -> None:
+        self.state = state
         self.own = OnAll(self.part.comm, lambda: OwnContact(self))
         self.contact = self.own or NoContact(self.space)
 

@@ -20,7 +20,7 @@ from ..solution.storage import FIELDS
 from .recall import Restoring
 from .states import Increment, LoadState
 
-NUMBERS, PUNCHES, RELATIVE = "state numbers", "state punches", "state relative"
+NUMBERS, PUNCHES = "state numbers", "state punches"
 POINTS = tuple(f"state {name}" for name in ("displacement", "traction", "origin", "before", "after"))
 
 
@@ -42,20 +42,12 @@ def KeepStates(last: ContactSolution, states: Sequence[LoadState], folder: str |
               "state origin": np.array([still if (u := state.before.displacement) is None else u for state in states]),
               "state before": np.array([Scalars(state.before) for state in states]),
               "state after": np.array([Scalars(state.after) for state in states]),
-              **_Punches(states),
+              **({} if states[0].punches is None else {PUNCHES: np.array([state.punches for state in states])}),
               NUMBERS: np.array([(state.time, state.work, state.energy, state.dissipation, state.increment.parts,
                                   state.increment.solves, state.increment.residual, state.increment.seconds, state.abrasion)
                                  for state in states], dtype=float)}
     with last.state.Restored():
         archive.Keep(last, folder, more=arrays)
-
-
-def _Punches(states: Sequence[LoadState]) -> dict[str, Array]:
-    """Where there are rigid punches, their motions, and displacements of the contact points relative to them."""
-    if states[0].punches is None:
-        return {}
-    return {PUNCHES: np.array([state.punches for state in states]),
-            RELATIVE: np.array([state.after.displacement for state in states])}
 
 
 def ReadStates(folder: str | PathLike[str], problem: Any, parameter: Any, added: Sequence[Any],
@@ -65,8 +57,7 @@ def ReadStates(folder: str | PathLike[str], problem: Any, parameter: Any, added:
     try:
         with np.load(Path(folder) / FIELDS, allow_pickle=False) as fields:
             arrays = {name: fields[name] for name in (NUMBERS, *POINTS)}
-            # What folders of problems without punches have not.
-            relative, punches = fields.get(RELATIVE, arrays[POINTS[0]]), fields.get(PUNCHES)
+            punches = fields.get(PUNCHES)       # which folders of problems without them have not
         times = arrays[NUMBERS][:, 0].tolist()
     except Exception as error:      # whatever a damaged file leads to
         raise ProblemError(f"{folder} holds no history: {' '.join(str(error).split()) or type(error).__name__}; give a folder "
@@ -77,7 +68,8 @@ def ReadStates(folder: str | PathLike[str], problem: Any, parameter: Any, added:
     displacement, traction, origin, before, after = (arrays[name] for name in POINTS)
     states = [LoadState(time=row[0], displacement=displacement[place], traction=traction[place],
                         before=Memory(origin[place], *before[place]) if place or np.any(origin[place]) else Memory(),
-                        after=Memory(relative[place], *after[place]), work=row[1], energy=row[2], dissipation=row[3],
+                        after=Memory(displacement[place] if punches is None else None, *after[place]),
+                        work=row[1], energy=row[2], dissipation=row[3],
                         increment=Increment(row[0], int(row[4]), int(row[5]), row[6], row[7]), abrasion=row[8],
                         vector=last.vector if place == len(times) - 1 else None,
                         punches=None if punches is None else punches[place])

@@ -10,6 +10,7 @@ from problems import TEN, Solved
 
 from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    NormalCompliance, ProblemError, RigidPunch, Solve, UzawaSolver)
+from ngdgc.cases import tilted_punch
 from ngdgc.mesh.facets import RigidMotionsAt
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -137,6 +138,22 @@ def test_two_punches_and_nothing_else_but_springs_of_contact():
     solution = Solved(ContactProblem(MATERIAL, [lower, upper], bodyforce=(0, -1)), LDG(), RectangleMesh(4), order=1)
     assert np.abs(solution.Force("bottom") - [-0.2, 6]).max() < 1e-9
     assert solution.GlobalImbalance() < 1e-11
+
+
+def test_a_punch_that_nothing_presses_stays_where_it_is():
+    """Also where the round-off of a gap is all that there is."""
+    solution = Solved(*Rubbed(RigidPunch(force=(None, 0)), RectangleMesh(4)))
+    assert np.abs(solution.punches["top"]).max() < 1e-15 and not solution.pressure.any()
+
+
+def test_the_case_of_a_tilted_punch():
+    """Within the part (a/L)^2 = .25 % of a half-plane that its body is not, and 5 elements; the edge lifts beyond e = a/2."""
+    solution = tilted_punch.Main(n=8)
+    for _, found, expected in tilted_punch.Compare(solution):
+        assert found == pytest.approx(expected, rel=0.008)
+    history = tilted_punch.History(n=4, order=1, count=2)
+    tilt, apart = history.punches["punch"][:, 2], [state.ZoneLengths()["separation"] for state in history]
+    assert tilt[2] < 2.2 * tilt[1] < 0 and apart[1] == 0 < apart[2]
 
 
 def test_a_ring_under_a_punch():

@@ -22,20 +22,33 @@ from .casefiles import CaseParts
 from .caseoptions import CaseArguments
 from .files import Files
 
-ALONE = 2.0     # seconds after which a rank knows that it is alone with a failure: one of all ranks has ended it by then
+PATIENCE = 10.0     # seconds after which a rank knows that it is alone with a failure
 UNKNOWN = ("history", "error", "maxiter", "rho")
 
 
 def RunSpread(case: ModuleType, options: Namespace) -> int:
     """Solve a case on its mesh, refined on the ranks; the exit code."""
-    if World().rank == 0:
-        return _Run(case, options)
-    with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere):
+    comm = World().Dup()    # no other messages go over it
+    with ExitStack() as stack:
+        if comm.rank:
+            nowhere = stack.enter_context(open(os.devnull, "w", encoding="utf-8"))
+            stack.enter_context(redirect_stdout(nowhere))
         try:
             return _Run(case, options)
-        except (NotConvergedError, ProblemError):
-            time.sleep(ALONE)
+        except (NotConvergedError, ProblemError) as error:
+            if not _Alone(comm) and comm.rank:
+                return 1 if isinstance(error, NotConvergedError) else 2     # rank 0 says it
             raise
+
+
+def _Alone(comm: Any) -> bool:
+    """Has this rank failed while the others go on?"""
+    request, end = comm.Ibarrier(), time.perf_counter() + PATIENCE
+    while not request.Test():
+        if time.perf_counter() > end:
+            return True
+        time.sleep(0.01)
+    return False
 
 
 def CheckOptions(options: Namespace) -> None:

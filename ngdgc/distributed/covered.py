@@ -13,7 +13,7 @@ from ..tools.memory import AssemblyBytes, CheckMemory
 from .local import CUT, FOREIGN
 
 COPIES = 3          # of what assembly takes: PETSc's matrix and its blocks beside it, levels, neighbours
-STIFFEST = 49.5     # largest lam/mu, that of nu = .49: for more the continuous functions of the cycle lock
+STIFFEST = 499.5    # largest lam/mu, that of nu = .499: steps of the cycle, whose continuous functions lock, grow with its root
 
 
 def CheckRoom(mesh: Any, order: int) -> None:
@@ -33,7 +33,9 @@ def CheckCovered(problem: Any, method: Any, mesh: Any, order: int, assembly: str
     coarse = DiscreteProblem(problem, method, mesh.coarse, order=order, assembly=assembly)
     remedy = "take an ngsolve.Mesh on one machine"
     iterative = method.discontinuous and method.conservative and method.symmetric and method.iterative
-    wrong = {f"method {method.name}, which PETSc's cycle is not made for; take a symmetric one of Table 2": not iterative,
+    several = f"method {method.name}, whose unknowns belong to several elements; take a discontinuous one"
+    wrong = {several: not method.discontinuous,
+             f"method {method.name}, which PETSc's cycle is not made for; take a symmetric one of Table 2": not iterative,
              "assembly='skeleton'; take 'facet'": assembly != "facet",
              "another inverse than 'auto'; leave it out": inverse != "auto",
              f"joints; {remedy}": bool(problem.joints), f"rigid punches; {remedy}": coarse.contact.punches is not None,
@@ -47,8 +49,8 @@ def CheckCovered(problem: Any, method: Any, mesh: Any, order: int, assembly: str
         raise ProblemError(f"a DistributedMesh is not for a body that only its foundation holds: only contact resists "
                            f"{coarse.unresisted}; add dirichlet, roller or spring")
     if Swelling(problem.material, mesh.coarse) > 1 + mesh.dim * STIFFEST / 2:
-        raise ProblemError("the material is nearer to incompressible than nu = .49, for which the levels of PETSc's cycle are "
-                           f"not made; {remedy}, which has others")
+        raise ProblemError("the material is nearer to incompressible than nu = .499, for which PETSc's cycle would take many "
+                           f"hundred steps; {remedy}, which has levels for it")
     for kind, region in problem.Regions():
         if any(re.fullmatch(region, name) for name in (CUT, FOREIGN)):
             raise ProblemError(f"{kind} region {region!r} also matches {CUT!r}, which the sides between ranks are called; name "

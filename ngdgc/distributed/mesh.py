@@ -47,8 +47,8 @@ class DistributedMesh:
         if not isinstance(coarse, Mesh):
             raise ProblemError(f"coarse is {coarse!r}; give an ngsolve.Mesh, the same on every rank")
         if not all(element.type in (ET.TRIG, ET.TET) for element in coarse.Elements(VOL)):
-            raise ProblemError("coarse has elements that are neither triangles nor tetrahedra, which PETSc does not refine "
-                               "with their regions; make a mesh of simplices")
+            raise ProblemError("coarse has elements that are neither triangles nor tetrahedra, whose corners ranks do not "
+                               "number alike here; make a mesh of simplices")
         if Curved(coarse):
             raise ProblemError("coarse is curved, and its refinement would not be; give a mesh with straight elements, fine "
                                "enough for the shape, or take an ngsolve.Mesh on one machine")

@@ -5,10 +5,13 @@ mpirun -n 2 python -m mpi4py spread.py rows|solution|together
 
 import json
 import sys
+from pathlib import Path
+from types import SimpleNamespace
 from unittest.mock import patch
 from zlib import crc32
 
 import numpy as np
+import psutil
 import scipy.sparse as sp
 from mpi4py import MPI
 from ngsolve import CF, x
@@ -27,12 +30,12 @@ METHODS = {f"{method.__name__} {form} {order}": (method(form=form), order)
            for order in ((1, 2) if form == "edge" else (1,))}
 
 
-def Problem(dim, friction=0.3):
+def Problem(dim, friction=0.3, nu=0.3):
     """A block that is pressed on a curved foundation and pushed along it, softer on one side: all its data vary."""
     down, push = (0.0,) * (dim - 1) + (-0.03,), (3.0,) + (0.0,) * (dim - 1)
     foundation = Foundation("bottom", NormalCompliance(1000 * (1 + x)), friction=CoulombFriction(friction * (1 + x)),
                             gap=0.2 * (x - 0.5) ** 2)
-    return ContactProblem(HookeMaterial(E=1000 * (1 + x), nu=0.3), foundation, dirichlet={"top": CF((0.01, *down[1:]))},
+    return ContactProblem(HookeMaterial(E=1000 * (1 + x), nu=nu), foundation, dirichlet={"top": CF((0.01, *down[1:]))},
                           traction={"left": CF(push)}, force={"right": push}, bodyforce=CF(down))
 
 
@@ -65,9 +68,10 @@ def Rows(dim):
 
 def Solution(dim):
     """Differences of displacement, forces, means, energy, zones to those of one process; are arrays the same on all ranks?"""
-    found, problem = {}, Problem(dim)
-    for name in ("InteriorPenalty edge 1", "LDG lifting 1", "BrezziEtAl edge 2"):
-        method, order = METHODS[name]
+    found = {}
+    for name in ("InteriorPenalty edge 1", "LDG lifting 1", "BrezziEtAl edge 2", *["InteriorPenalty nu=.499 1"] * (dim == 2)):
+        method, order = METHODS.get(name, (InteriorPenalty(), 1))
+        problem = Problem(dim, nu=0.499 if "nu" in name else 0.3)
         disc = Discretization(problem, method, DistributedMesh(Coarse(dim), refine=1), order=order)
         solution = disc.Solve()
         same = len({crc32(part) for part in COMM.allgather(solution.traction.tobytes() + solution.zones.tobytes())}) == 1
@@ -98,15 +102,39 @@ def Solution(dim):
 
 
 def Together():
-    """Words of an error that rank 0 finds, on every rank; then one rank fails by itself, and all of them end."""
+    """Words of what rank 0 finds wrong, and of what rank 1 alone does; then that one fails by itself, and all of them end."""
     mesh = DistributedMesh(RectangleMesh(2), refine=1)
-    try:
-        Discretization(Problem(2), InteriorPenalty(), mesh, order=1, assembly="skeleton")
-        words = None
-    except ProblemError as error:
-        words = str(error)
-    print(f"words {words}\n", end="", flush=True)        # in one piece, whatever another rank writes
-    Discretization(Problem(2), InteriorPenalty(), mesh, order=1).Solve()    # then PETSc waits for all at the end
+
+    def Tell(number, Try):
+        try:
+            Try()
+            words = "nothing"
+        except ProblemError as error:
+            words = str(error)
+        print(f"words {number} {words}\n", end="", flush=True)
+        COMM.Barrier()
+
+    def Make(**options):
+        return Discretization(Problem(2), InteriorPenalty(), mesh, order=1, **options)
+
+    Tell(0, lambda: Make(assembly="skeleton"))
+    free, spread = psutil.virtual_memory, []
+    with patch.object(DistributedMesh, "Spread", lambda *_: spread.append(True)):
+        with patch.object(psutil, "virtual_memory", (lambda: SimpleNamespace(available=1e3)) if COMM.rank == 1 else free):
+            Tell(1, Make)
+    assert not spread       # nothing is begun
+    folder = Path(sys.argv[2])
+    solution = Make().Solve()
+    solution.Save(folder)
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    COMM.Barrier()
+
+    def Full(*_, **__):
+        raise OSError(28, "No space left on device")
+
+    with patch.object(np, "savez_compressed", Full if COMM.rank == 1 else np.savez_compressed):
+        Tell(2, lambda: solution.Save(folder))
+    assert before == {path.name: path.read_bytes() for path in folder.iterdir()}
     COMM.Barrier()
     if COMM.rank == 1:
         raise ValueError("rank 1 has failed")
@@ -115,7 +143,7 @@ def Together():
 
 if __name__ == "__main__":
     what, *dims = sys.argv[1:]
-    if what == "together":
+    if what == "together":      # then what follows is a folder
         Together()
     else:
         result = {dim: {"rows": Rows, "solution": Solution}[what](int(dim)) for dim in dims}

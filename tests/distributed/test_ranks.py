@@ -15,6 +15,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from ngdgc import ContactSolution
+from ngdgc.cases import example_4_2
+
 FOLDER = Path(__file__).parent
 pytestmark = pytest.mark.slow
 LIMIT = 300         # seconds; a run takes some 5 alone
@@ -73,12 +76,32 @@ def test_a_rank_without_contact_takes_part():
     assert max(found["without contact"] for found in Numbers(3, "solution", "2")["2"].values()) >= 1
 
 
-def test_ranks_fail_together():
-    """A mistake is told by all ranks in the same words; where one rank fails by itself none waits for it."""
-    code, output, errors = Run(2, "together")
-    words = [line for line in output.splitlines() if line.startswith("words")]
-    assert code != 0 and "rank 1 has failed" in errors
-    assert len(words) == 2 and len(set(words)) == 1 and "take 'facet'" in words[0]
+def test_ranks_fail_together(tmp_path):
+    """A mistake, too little memory and a full disk are told by all ranks in the same words, and what was saved stays.
+
+    Where one rank fails by itself none waits for it.
+    """
+    code, output, errors = Run(2, "together", str(tmp_path / "saved"))
+    words = [line.split(maxsplit=2)[1:] for line in output.splitlines() if line.startswith("words")]
+    assert code != 0 and "rank 1 has failed" in errors and "AssertionError" not in errors
+    assert sorted(number for number, _ in words) == ["0", "0", "1", "1", "2", "2"]
+    told = {number: {text for other, text in words if other == number} for number, _ in words}
+    for number, culprit in (("0", "take 'facet'"), ("1", "more ranks on more machines"), ("2", "No space left on device")):
+        assert len(told[number]) == 1 and culprit in next(iter(told[number])), told
+
+
+def test_command_runs_a_case_and_says_everything_once(tmp_path):
+    """Rank 0 prints and writes; the solution can be read; what is wrong is one line, with the exit code of the command."""
+    words = ["-m", "ngdgc.cli", "run", "example_4_2", "--n", "2", "--refine", "1", "--out"]
+    code, output, errors = Started(2, *words, tmp_path / "results")
+    assert code == 0 and output.count("Forces on the body") == output.count("written to") == 1, errors[-3000:]
+    solution, alone = ContactSolution.Load(tmp_path / "results" / "solution", example_4_2.Problem()), example_4_2.Main(n=4)
+    assert solution.normalforce == pytest.approx(alone.normalforce, rel=SOLVED)
+    assert {"solution.html", "deformed.png", "body.pvtu", "contact.pvtu", "report.json"} <= {
+        path.name for path in (tmp_path / "results").iterdir()}
+    code, _, errors = Started(2, *words, tmp_path / "others", "--cells", "quad")
+    assert code == 2 and errors.count("coarse has elements that are neither triangles nor tetrahedra") == 1
+    assert not (tmp_path / "others").exists()
 
 
 @pytest.fixture(scope="module")

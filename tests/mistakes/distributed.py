@@ -7,8 +7,8 @@ from unittest.mock import MagicMock, patch
 import numpy as np
 from ngsolve import CF
 
-from ngdgc import (ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial, NonsymmetricInteriorPenalty,
-                   LDG, NormalCompliance, ProblemError)
+from ngdgc import (Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
+                   NonsymmetricInteriorPenalty, LDG, NormalCompliance, ProblemError)
 from ngdgc.distributed import DistributedMesh
 from ngdgc.distributed.cycle import CycleInverse
 from ngdgc.distributed.petsc import OnAll
@@ -85,7 +85,8 @@ DISTRIBUTED = [
     (lambda _: Spread(method=NonsymmetricInteriorPenalty()), "method NIPG | cycle is not made for | take a symmetric one"),
     (lambda _: Spread(assembly="skeleton"), "DistributedMesh is not for | assembly='skeleton' | take 'facet'"),
     (lambda _: Spread(dirichlet={}), "a body that only its foundation holds | only contact resists | add dirichlet"),
-    (lambda _: Spread(nu=0.495), "nearer to incompressible | nu = .49 | take an ngsolve.Mesh"),
+    (lambda _: Spread(nu=0.4995), "nearer to incompressible | nu = .499 | take an ngsolve.Mesh"),
+    (lambda _: Spread(method=Conforming()), "DistributedMesh is not for method H1 | belong to several elements | take a"),
     (lambda _: Spread(dirichlet={"[b-z].*": CF((0, 0))}, foundation=Foundation("a.*", NormalCompliance(1)),
                       mesh=Named()), "also matches | 'between ranks' | name the boundaries"),
     (lambda _: Made(DistributedProblem).facets, "facets is not known | DistributedMesh | take an ngsolve.Mesh"),

@@ -174,7 +174,7 @@ def test_a_history_goes_on_from_another_one_and_from_a_folder(tmp_path):
 
 def test_a_failure_names_the_time_and_keeps_the_states_and_the_parameter(monkeypatch):
     """A force that in the end is more than friction holds; and a callback that fails."""
-    monkeypatch.setattr(solve, "HALVINGS", 1)       # to fail sooner
+    monkeypatch.setattr(solve, "HALVINGS", 0)       # to fail sooner
     t = Parameter(0.25)
     foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(0.3))
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction={"top": CF((t, -10))})
@@ -215,7 +215,7 @@ def test_an_interrupted_first_state_leaves_an_iterate_and_no_states(monkeypatch)
 @pytest.mark.parametrize("count, words", [(0, "it is the first state"), (1, "the state before is kept in `states`"),
                                           (2, "the 2 states before are kept in `states`")])
 def test_a_failure_says_how_many_states_are_kept(count, words, monkeypatch):
-    monkeypatch.setattr(solve, "HALVINGS", 1)       # to fail sooner
+    monkeypatch.setattr(solve, "HALVINGS", 0)       # to fail sooner
     t = Parameter(0)
     foundation = Foundation("bottom", NormalCompliance(1e4), friction=CoulombFriction(0.3))
     problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), foundation, traction={"top": CF((t, -10))})

@@ -94,6 +94,19 @@ def Layers(dim):
     return Mesh(OCCGeometry(Glue(parts), dim=dim).GenerateMesh(maxh=0.3 if dim == 2 else 0.5))
 
 
+def Halves():
+    """`Layers(2)` of six triangles, of which no two facets lie alike in their elements."""
+    mesh = NetgenMesh()
+    mesh.dim = 2
+    points = [(0, 0), (1, 0), (0, 0.4), (0.55, 0.4), (1, 0.4), (0, 1), (1, 1)]
+    mesh.AddPoints(np.array([(*point, 0) for point in points], dtype=float))
+    for name, elements in (("soft", [[0, 1, 3], [3, 2, 0], [4, 3, 1]]), ("hard", [[2, 3, 5], [5, 3, 6], [6, 3, 4]])):
+        mesh.AddElements(dim=2, index=mesh.AddRegion(name, dim=2), data=np.array(elements, dtype=np.int32), base=0)
+    AddSides(mesh, {"bottom": [[0, 1]], "right": [[1, 4], [4, 6]], "top": [[6, 5]], "left": [[5, 2], [2, 0]],
+                    "mid": [[2, 3], [3, 4]]})
+    return Mesh(mesh)
+
+
 def Stacked(faces=lambda middle: True):
     """`Layers(3)` of twelve tetrahedra; with `faces`, of the middle of a face, which ones between the layers are "mid"."""
     old = MakeStructured3DMesh(hexes=False, nx=1, ny=1, nz=2, mapping=lambda s, t, h: (s, t, 0.8 * h + 0.4 * h * (h - 0.5)))

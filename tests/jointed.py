@@ -1,14 +1,14 @@
 """Bodies with a joint, whose states are known, and their balance."""
 
 import numpy as np
-from bodies import LINE, Crossed, Layers, Stacked
+from bodies import LINE, Crossed, Halves, Stacked
 from ngsolve import CF, specialcf, y, z
 
 from ngdgc import ContactProblem, CoulombFriction, HookeMaterial, Joint, NormalCompliance
 
 K, P, NU, MID = 5000.0, 40.0, 0.3, 0.4      # stiffness of the joint, pressure, Poisson's ratio, height of the joint
 MODULI = {"soft": 500.0, "hard": 1000.0}
-BODIES = {2: Layers(2), 3: Stacked()}
+BODIES = {2: Halves(), 3: Stacked()}
 
 
 def Material(mesh):

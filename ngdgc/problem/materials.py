@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,17 +26,28 @@ def Strain(u: Any) -> Any:
 def StiffnessAt(material: HookeMaterial | AnisotropicMaterial, points: Any, dim: int) -> Array:
     """C_ijkl at mesh points, (npoints, d, d, d, d) [stress]; ProblemError if it is not finite."""
     C = np.empty((len(points), dim, dim, dim, dim))
-    for k in range(dim):
-        for m in range(k, dim):
-            unit = np.zeros((dim, dim))
-            unit[k, m] += 0.5
-            unit[m, k] += 0.5
-            stress = material.Stress(CF(tuple(unit.ravel()), dims=(dim, dim)))
-            C[..., k, m] = C[..., m, k] = np.asarray(stress(points)).reshape(-1, dim, dim)
+    if type(material) is HookeMaterial and IsNumber(material.mu) and IsNumber(material.lam):
+        C[:] = _OfNumbers(material.mu, material.lam, dim)
+    else:
+        for k in range(dim):
+            for m in range(k, dim):
+                unit = np.zeros((dim, dim))
+                unit[k, m] += 0.5
+                unit[m, k] += 0.5
+                stress = material.Stress(CF(tuple(unit.ravel()), dims=(dim, dim)))
+                C[..., k, m] = C[..., m, k] = np.asarray(stress(points)).reshape(-1, dim, dim)
     if not np.all(np.isfinite(C)):
         raise ProblemError("the material is not finite at some quadrature point of the elements or facets; look for a "
                            "division by zero or a root of a negative number")
     return C
+
+
+@lru_cache(64)
+@np.errstate(invalid="ignore")      # of infinite ones, which are refused
+def _OfNumbers(mu: float, lam: float, dim: int) -> Array:
+    """lam delta_ij delta_kl + mu (delta_ik delta_jl + delta_il delta_jk), (d, d, d, d), which takes NGSolve milliseconds."""
+    one = np.eye(dim)
+    return lam * np.multiply.outer(one, one) + mu * (np.einsum("ik,jl->ijkl", one, one) + np.einsum("il,jk->ijkl", one, one))
 
 
 def MaterialWords(mesh: Mesh, points: Any, values: Array, wrong: Array) -> str:

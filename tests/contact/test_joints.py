@@ -4,7 +4,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from bodies import LINE, RING, Crossed, Stacked
+from bodies import LINE, RING, Crossed, Layers, Stacked
 from jointed import BODIES, MID, MODULI, NU, Balanced, Confined, K, Material, P, Patch, Shear, Sheet, Walls
 from ngsolve import CF, GridFunction, Parameter, specialcf, x, y, z
 from problems import TEN
@@ -213,10 +213,10 @@ def test_joints_that_cross_branch_or_close(method, paths):
 
 def test_softer_side_counts():
     """Lengths by which solvers measure the joint are those of the softer material, on whichever side."""
-    joint = Joint("mid", NormalCompliance(K))
+    joint, mesh = Joint("mid", NormalCompliance(K)), Layers(2)
     for moduli in ({"soft": 10, "hard": 1000}, {"soft": 1000, "hard": 10}):
-        material = HookeMaterial(E=BODIES[2].MaterialCF(moduli), nu=NU)
-        disc = Discretization(ContactProblem(material, joint, roller={"left": 0}), LDG(), BODIES[2])
+        material = HookeMaterial(E=mesh.MaterialCF(moduli), nu=NU)
+        disc = Discretization(ContactProblem(material, joint, roller={"left": 0}), LDG(), mesh)
         assert disc.contact.flexibility == pytest.approx(1 / Shear(10), rel=0.2)
 
 

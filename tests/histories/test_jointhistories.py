@@ -4,7 +4,7 @@ from math import sqrt
 
 import numpy as np
 import pytest
-from bodies import Layers, Stacked
+from bodies import Halves, Stacked
 from ngsolve import CF, IfPos, Parameter, specialcf
 
 from ngdgc import (LDG, Conforming, ContactProblem, CoulombFriction, Discretization, HookeMaterial, InteriorPenalty, Joint,
@@ -16,7 +16,7 @@ G, CONFINED = E / (2 * (1 + NU)), E * (1 - NU) / ((1 + NU) * (1 - 2 * NU))
 TIMES = np.linspace(0, 6, 13)
 # Sheared until it slips, slid by .01, taken back through the stick, slid back beyond where it began, and once more.
 SHEARS, SLIPS = [0, 12, 12, -12, -12, 12, 12], [0, 0, 0.01, 0.01, -0.02, -0.02, 0.01]
-BODIES = {2: Layers(2), 3: Stacked()}
+BODIES = {2: Halves(), 3: Stacked()}
 
 
 def Through(t, values):

@@ -8,7 +8,9 @@ from ngsolve import CF, Integrate, Norm, x, y
 
 from ngdgc import (AnisotropicMaterial, ComplianceLaw, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation,
                    FrictionLaw, HookeMaterial, NormalCompliance, PowerFriction, ProblemError, TrescaFriction, UzawaSolver)
-from ngdgc.meshes import RectangleMesh
+from ngdgc.mesh.facets import VolumePoints
+from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.problem.materials import StiffnessAt
 
 
 def test_lame_constants_of_plane_strain_and_stress():
@@ -30,6 +32,17 @@ def test_voigt_matrix_of_hooke_gives_hooke():
     assert Integrate(Norm(voigt.Stress(strain) - hooke.Stress(strain)), mesh) < 1e-14
     shear = AnisotropicMaterial([[lam + 2 * mu, lam, 0], [lam, lam + 2 * mu, 0], [0, 0, 2 * mu]])
     assert Integrate(Norm(shear.Stress(strain) - hooke.Stress(strain)), mesh) > 1
+
+
+@pytest.mark.parametrize("mesh", [RectangleMesh(1), BoxMesh(1)], ids=["2D", "3D"])
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_stiffness_of_numbers_is_that_of_coefficients(plane, mesh):
+    """To the last digit, which NGSolve computes from the stress of unit strains."""
+    points, mu, lam = VolumePoints(mesh, 1), 1 / 3, 0.7
+    found = StiffnessAt(HookeMaterial(mu=mu, lam=lam, plane=plane), points, mesh.dim)
+    assert np.array_equal(found, StiffnessAt(HookeMaterial(mu=CF(mu), lam=lam, plane=plane), points, mesh.dim))
+    other = StiffnessAt(HookeMaterial(mu=CF(mu), lam=lam * (1 + 1e-15), plane=plane), points, mesh.dim)
+    assert not np.array_equal(found, other)
 
 
 @pytest.mark.parametrize("exponent", [0.5, 1, 1.5, 3])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import sys
 from collections.abc import Callable
 from types import TracebackType
@@ -105,6 +106,7 @@ def TripleProduct(matrix: Any, embedding: Any) -> Any:
     product.destroy()
     if rows is not matrix:
         rows.destroy()
+        GiveBack()
     return alone
 
 
@@ -117,7 +119,15 @@ def Plus(matrix: Any, added: Any) -> Any:
         return total
     blocks = total.convert(matrix.getType(), Petsc().Mat())     # a copy of blocks would know no Gauss-Seidel
     total.destroy()
+    GiveBack()
     return blocks
+
+
+def GiveBack() -> None:
+    """Let the system have what is free: otherwise each library keeps for itself what only one needs at a time."""
+    trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
 
 
 def AsRows(matrix: Any) -> Any:

@@ -22,7 +22,7 @@ from .covered import CheckCovered, CheckRoom
 from .cycle import CycleInverse, NearNullSpace
 from .local import LocalMesh
 from .part import LocalProblem
-from .petsc import Applied, OnAll, OnFirst, Plus, Rows, Summed, TripleProduct
+from .petsc import Applied, GiveBack, OnAll, OnFirst, Plus, Rows, Summed, TripleProduct
 from .rows import RowNumbering
 from .solution import DistributedSolution
 from .subspace import DistributedSubspace, NearContact
@@ -102,6 +102,7 @@ class DistributedProblem(LinearEquations, Placed):
             raise ProblemError(f"{form.guarantee.culprit} is not certain to be coercive, and on a DistributedMesh no "
                                "eigenvalue is computed; take penalty='auto'")
         blocks = self.numbering.Matrix(OnAll(self.mesh.comm, form.Matrix))
+        GiveBack()
         springs, own = self.local.addedmatrix, self.numbering.dofs
         return blocks if springs is None else Plus(blocks, self.numbering.Added(springs[own][:, own].tocsr()))
 

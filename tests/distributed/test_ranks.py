@@ -17,6 +17,7 @@ import pytest
 
 from ngdgc import ContactSolution
 from ngdgc.cases import example_4_2
+from ngdgc.studies.bench.ranks import Measure, Task
 
 FOLDER = Path(__file__).parent
 pytestmark = pytest.mark.slow
@@ -143,3 +144,15 @@ def Field(path, name):
     start = int(re.search(rf'Name="{name}" NumberOfComponents="1" format="appended" offset="(\d+)"', head.decode()).group(1))
     size = int(np.frombuffer(data[start:start + 4], "<u4")[0])
     return np.frombuffer(data[start + 4:start + 4 + size], "<f8")
+
+
+def test_study_measures_what_a_step_sends(monkeypatch):
+    """Neighbours are some of the elements, each step has three sums at least, the products of Gauss-Seidel are messages."""
+    for name, value in SETTING.items():
+        monkeypatch.setenv(name, value)
+    row = Measure(Task(ranks=2, n=2), limit=LIMIT)
+    assert row.unknowns == 72 * 4 ** 3 and row.points == 6 * 4 ** 2
+    assert 0 < row.steps["GAMG"] <= 30 and all(steps <= 30 for steps in row.steps.values())
+    # Coefficients of the neighbours, once for the product with A, the rest, and the sweep back; the levels below come to it.
+    assert 3 * 8 * row.ghosts * row.unknowns / 2 < row.bytes < 1e5 and row.messages >= 3 and row.sums >= 3
+    assert 0.1 < row.ghosts < 0.5 and len(row.peak) == 2 and min(np.subtract(row.peak, row.fixed)) > 0

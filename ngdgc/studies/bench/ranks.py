@@ -30,7 +30,7 @@ from ..atlas.solvers import Point
 from .solutions import TOL, PeakMemory
 
 ONEMACHINE = 0      # ranks: without PETSc
-COARSE = {"BoomerAMG": "hypre", "GAMG": "gamg"}      # PETSc's names; times and messages are those of the last
+COARSE = {"GAMG": "gamg", "BoomerAMG": "hypre"}      # PETSc's names; times, messages and memory are those of the first
 OPTION = "ngdgc_pc_type"        # of PETSc, which of them
 # More ranks than processors, which wait for each other without keeping them busy.
 SETTING = {"OMP_NUM_THREADS": "1", "NGS_NUM_THREADS": "1", "OMPI_MCA_rmaps_base_oversubscribe": "1",
@@ -168,15 +168,17 @@ def OnRanks(task: Task) -> dict[str, Any]:
 
     disc.reduce = Reduce
     _Prepare(disc, clock)
-    steps, event = {}, petsc.Log.Event("one equation")
+    steps, event, peak = {}, petsc.Log.Event("one equation"), 0.0
+    busy = 0.0
     for name, kind in {} if task.contact else COARSE.items():
         petsc.Options()[OPTION] = kind
         with suppress(petsc.Error):     # not in every PETSc
-            steps[name] = _Linear(disc, clock, event if name == "GAMG" else nullcontext())
+            steps[name] = _Linear(disc, _Clock() if peak else clock, nullcontext() if peak else event)
             del disc.inverse
+        peak, busy = peak or PeakMemory(), busy or clock.busy
     found, own, sent = _Contact(task, disc, clock), disc.numbering.local.own, event.getPerfInfo()
     mine = [[sent["numMessages"], sent["messageLength"], sent["numReductions"]], (~own).sum() / max(own.sum(), 1),
-            list(clock.times.values()), clock.busy, fixed, PeakMemory()]
+            list(clock.times.values()), busy or clock.busy, fixed, peak or PeakMemory()]
     messages, ghosts, times, busy, fixes, peaks = zip(*mesh.comm.allgather(mine))
     each = dict(zip(("messages", "bytes", "sums"), np.max(messages, axis=0) / steps.get("GAMG", 1)))
     return {**found, **each, **dict(zip(clock.times, np.max(times, axis=0))), "steps": steps, "busy": sum(busy),

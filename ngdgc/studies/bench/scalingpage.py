@@ -11,7 +11,7 @@ from ...tools.tables import Aligned, Piped
 from .ranks import COARSE, ONEMACHINE, Spread
 from .scaling import GAMMA, PLANS, Law
 
-EQUATION = ("unknowns", "ranks", *(f"steps, {name}" for name in reversed(COARSE)), "ghosts [%]", "messages", "kB", "sums",
+EQUATION = ("unknowns", "ranks", *(f"steps, {name}" for name in COARSE), "ghosts [%]", "messages", "kB", "sums",
             "kB/unknown", "largest [MiB]")
 CONTACT = ("unknowns", "ranks", "points", "corrections", "steps", "X_h", "factors", "kB/unknown", "largest [MiB]")
 TIME = ("ranks", "seconds", "of one machine", "of one rank", "processor")
@@ -22,7 +22,7 @@ def Equations(rows: Sequence[Spread]) -> list[tuple[str, ...]]:
     cells: list[tuple[str, ...]] = [EQUATION]
     for row in rows:
         if not row.task.contact:
-            steps = [str(row.steps.get(name, "")) for name in reversed(COARSE)]
+            steps = [str(row.steps.get(name, "")) for name in COARSE]
             cells.append((str(row.unknowns), str(row.task.ranks), *steps, f"{100 * row.ghosts:.1f}", f"{row.messages:.0f}",
                           f"{row.bytes / 1e3:.0f}", f"{row.sums:.1f}", *_Memory(row)))
     return cells

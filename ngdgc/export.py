@@ -121,7 +121,7 @@ class Scene:
     def Page(self) -> str:
         """The text of the page."""
         # The viewer blends positions linearly: between the undeformed body and the deformed one in the same colours.
-        states = [DrawTurned(self.solution, self.field, scale, colors=COLOURS, light=LIGHT) if self.turned else
+        states = [DrawTurned(self.solution, self.field, scale, colors=COLOURS) if self.turned else
                   _State(self.solution, self.field, scale, [self.solution]) for scale in (0, self.scale)]
         return _Page(states, self.solution, self.field, self.scale, labels=None)
 

@@ -220,10 +220,14 @@ class ElementGroup(Contractions):
     @Cached
     def inverseliftmass(self) -> Array:
         """M_Q^-1, (n, (c p), (c p))."""
-        inverse = self._InverseMass(self.Geometry()[1], self._LiftFunctions)
+        inverse = self._InverseLiftMass()
         components = np.linalg.inv(np.einsum("cij,dij->cd", self.basis, self.basis))
         size = len(components) * self.nl
         return (components[:, None, :, None] * inverse[:, None, :, None, :]).reshape(-1, size, size)
+
+    def _InverseLiftMass(self) -> Array:
+        """The inverse of int p q, scalar, (n, p, p)."""
+        return self._InverseMass(self.Geometry()[1], self._LiftFunctions)
 
     @Cached
     def weightedliftmass(self) -> Array:

@@ -13,7 +13,7 @@ r in it at one point.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from ngsolve import Mesh, x
@@ -21,6 +21,7 @@ from ngsolve import Mesh, x
 from ..contracts import Array
 from ..mesh.facets import REFERENCE_VERTICES
 from ..problem.frames import AXIS, TURN
+from ..tools.parallel import Cached
 from .integrals import ElementGroup
 from .reference import ReferenceElement, Shapes
 
@@ -53,10 +54,12 @@ class RevolvedGroup(ElementGroup):
         (G, volume), *sides = self._geometry
         self._geometry = [(G, volume * TURN * weights[0]), *sides]
         self._boundary = [(n, measure * TURN * r) for (n, measure), r in zip(self._boundary, weights[1:])]
+        self._all = self
 
     def Part(self, rows: np.ndarray) -> Self:
         part = super().Part(rows)
         part._steady, part._ties, part._radii, part._plain = self._steady, self._ties, self._radii, self._plain
+        part._all = self._all
         return part
 
     def Radii(self, number: int = 0) -> Array:
@@ -92,36 +95,54 @@ class RevolvedGroup(ElementGroup):
         return np.zeros((len(self.elements), self.dim * self.na, 0))
 
     def _Energy(self) -> Array:
-        return super()._Energy() + self._Hoop(0)
+        return super()._Energy() + self._Hoop({0: 1.0})
 
-    def _Hoop(self, number: int, scale: Array | float = 1.0) -> Array:
-        """scale (n, 1) times the terms of u_r/r in the energy, over the element (0) or side number - 1, (n, (i a), (k b))."""
-        (T, H), (G, _), a = self.Tie(number), self.Geometry(number), self.na
-        measure = TURN * scale * self.Plain(number)
-        tied = (G @ np.swapaxes(T, 2, 3)) * measure[..., None, None]        # T_kl G_tl, n q t k
+    def _Hoop(self, scales: dict[int, Any]) -> Array:
+        """The terms of u_r/r in the energy, (n, (i a), (k b)), over element (0) and sides (number - 1), times scales (n, 1)."""
+        a, n = self.na, len(self.elements)
+        tied, squares = [], []
+        for number, scale in scales.items():
+            (T, H), (G, _), measure = self.Tie(number), self.Geometry(number), TURN * scale * self.Plain(number)
+            tied.append((G @ np.swapaxes(T, 2, 3)) * measure[..., None, None])      # T_kl G_tl, n q t k
+            squares.append(H * measure / self.Radii(number))
 
         def Products(shape: ReferenceElement, derivatives: bool) -> Array:
-            here = shape.facets[number - 1] if number else shape
-            right = here.dv if derivatives else here.v[:, None]
-            return np.einsum("q,qa,qtb->qtab", here.weights, here.v, right).reshape(len(here.weights), right.shape[1], -1)
+            found = []
+            for part, number in zip(tied, scales):
+                here = shape.facets[number - 1] if number else shape
+                products = np.einsum("q,qa,qtb->qtab", here.weights, here.v, here.dv if derivatives else here.v[:, None])
+                found.append(products.sum(axis=0, keepdims=True) if derivatives and part.shape[1] == 1 else products)
+            together = np.concatenate(found)
+            return together.reshape(*together.shape[:2], -1)
 
-        mixed = self._Sum(tied.transpose(0, 3, 1, 2), lambda shape: Products(shape, True)).reshape(len(tied), 2, a, a)
-        square = self._Sum((H * measure / self.Radii(number))[..., None], lambda shape: Products(shape, False))
-        found = np.zeros((len(tied), 2, a, 2, a))
-        found[:, 0, :, 0] = square.reshape(-1, a, a)
+        def Sum(coefficient: Array, derivatives: bool) -> Array:
+            return self._Sum(coefficient, lambda shape: Products(shape, derivatives)).reshape(n, -1, a, a)
+
+        mixed = Sum(np.concatenate(tied, axis=1).transpose(0, 3, 1, 2), True)
+        square = Sum(np.concatenate(squares, axis=1)[..., None], False)
+        found = np.zeros((n, 2, a, 2, a))
+        found[:, 0, :, 0] = square[:, 0]
         for k in range(2):
             found[:, 0, :, k] += mixed[:, k]
             found[:, k, :, 0] += np.swapaxes(mixed[:, k], 1, 2)
-        return found.reshape(len(tied), 2 * a, 2 * a)
+        return found.reshape(n, 2 * a, 2 * a)
+
+    def _InverseLiftMass(self) -> Array:
+        return self._all._inverses[self._chosen]
+
+    @Cached
+    def _inverses(self) -> Array:
+        """Of all elements: in the plane they are multiples of one, here it takes as long as all the rest to find them."""
+        return super()._InverseLiftMass()
 
     def Traction(self, s: int) -> Array:
         found = super().Traction(s)
-        pull = TURN * self._Pull(s) * self.Plain(1 + s)[..., None]
+        pull = TURN * self.Pull(s) * self.Plain(1 + s)[..., None]
         found[..., :self.na] += self._Pairs(self._Transmit(s, pull)[..., None],
                                             self._Side(s, "mu"), self._Side(s, "v"))
         return found
 
-    def _Pull(self, s: int) -> Array:
+    def Pull(self, s: int) -> Array:
         """T n, (n, q, i)."""
         return (self.Tie(1 + s)[0] @ self.Boundary(s)[0][..., None])[..., 0]
 
@@ -133,14 +154,19 @@ class RevolvedGroup(ElementGroup):
         return found
 
     def ElasticPencil(self, weights: Array) -> Array:
-        return super().ElasticPencil(weights) + sum(self._Hoop(1 + s, weights[:, s, None]) for s in self.sides)
+        hoop = self._Hoop({1 + s: weights[:, s, None] for s in self.sides})
+        if not self._steady:
+            return super().ElasticPencil(weights) + hoop
+        scaled = np.concatenate([weights[:, s, None] * self.Boundary(s)[1] for s in self.sides], axis=1)
+        return hoop + self._Gradients(self._EnergyDensity() * scaled[..., None, None, None, None],
+                                      lambda shape: np.concatenate([self._GradientProducts(facet) for facet in shape.facets]))
 
     def _PlainPencil(self, s: int, weight: Array) -> Array:
         # Of a square of tractions that have 1/r in them, which only the quadrature points know.
         n, r = self.Boundary(s)[0], self.Radii(1 + s)
         traction = np.zeros((*r.shape, 2, 2, 3))        # n q i k t
         traction[..., :2] = self._StressOnNormal(s)
-        traction[..., 0, 2] = self._Pull(s) / r[..., None]
+        traction[..., 0, 2] = self.Pull(s) / r[..., None]
         measure = weight * TURN * r * self.Plain(1 + s)
         dual = (2 * np.eye(2) - n[..., :, None] * n[..., None, :]) * measure[..., None, None]
 

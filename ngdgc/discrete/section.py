@@ -36,8 +36,11 @@ def CheckSection(mesh: Mesh) -> None:
 
 def CheckSpatial(material: HookeMaterial | AnisotropicMaterial, mesh: Mesh, points: Any) -> None:
     """Raise ProblemError unless a material is positive definite in space at the points, and twists no section."""
-    points = points if material.bonus else points[:1]
-    C = StiffnessAt(material, points, 3)
+    if isinstance(material, HookeMaterial):     # whose check is that of the plane
+        least = 3 * ValuesAt(material.lam, points, "lam") + 2 * ValuesAt(material.mu, points, "mu")
+        CheckRange(least, "3*lam + 2*mu", above=0, Where=partial(MaterialWords, mesh, points))
+        return
+    C = StiffnessAt(material, points if material.bonus else points[:1], 3)
     inside = np.array([[True, True, False], [True, True, False], [False, False, True]])
     # Strains in the section and around it, against shear across it.
     twist = np.abs(C[:, inside][:, :, ~inside]).max()
@@ -45,9 +48,6 @@ def CheckSpatial(material: HookeMaterial | AnisotropicMaterial, mesh: Mesh, poin
         raise ProblemError(f"the material couples strains in the section with shear across it, by entries up to {twist:.3g} in "
                            "columns 4 and 5 of voigt, so that the body would twist, and one of revolution does not; let these "
                            "be 0, or take the body in space")
-    if isinstance(material, HookeMaterial):     # whose check is that of the plane
-        least = 3 * ValuesAt(material.lam, points, "lam") + 2 * ValuesAt(material.mu, points, "mu")
-        CheckRange(least, "3*lam + 2*mu", above=0, Where=partial(MaterialWords, mesh, points))
 
 
 def OnAxis(facets: Facets) -> np.ndarray:

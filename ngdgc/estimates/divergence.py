@@ -8,6 +8,7 @@ from ngsolve import CF, TET, TRIG, CoefficientFunction, Grad, GridFunction, L2, 
 
 from ..discrete.problem import DiscreteProblem
 from ..mesh.facets import Curved, Projected
+from ..problem.frames import CYLINDRICAL
 
 SMOOTH = 2      # degrees beyond k of the polynomials that a stress which is none is taken for
 
@@ -19,17 +20,16 @@ def Divergence(disc: DiscreteProblem, u: GridFunction) -> CoefficientFunction:
 
         div_i = d_j P_ij + (d_j T_ij) q + T_ij d_j q + (sigma_ir - delta_ir sigma_tt)/r,      r grad q = grad u_r - (q, 0)
     """
-    strain, Stress = Sym(Grad(u)), disc.problem.material.Stress
-    plane = disc.problem.frame.PlaneStress(Stress, strain)
-    inside = _Rows(_Polynomial(disc, plane))
-    if not disc.problem.frame.revolved:
+    frame, material = disc.problem.frame, disc.problem.material
+    inside = _Rows(_Polynomial(disc, frame.InPlane(material).Stress(Sym(Grad(u)))))
+    if not frame.revolved:
         return inside
-    hoop = disc.problem.frame.Plane(Stress(CF((0,) * 8 + (1,), dims=(3, 3))))
+    hoop, _ = CYLINDRICAL.Around(material)
     q, slope = u[0] / x, Grad(u)
     change = CF(((slope[0, 0] - q) / x, slope[0, 1] / x))
-    if disc.problem.material.bonus:
+    if material.bonus:
         inside += _Rows(_Polynomial(disc, hoop)) * q
-    stress = Stress(disc.problem.frame.Strain(u))
+    stress = material.Stress(frame.Strain(u))
     return inside + hoop * change + CF(((stress[0, 0] - stress[2, 2]) / x, stress[1, 0] / x))
 
 

@@ -219,15 +219,20 @@ class EquilibratedStress:
     def _Consistency(self, part: ElementGroup, s: int, shape: ReferenceElement, rows: np.ndarray, signs: Array,
                      inner: Array) -> Array:
         """share int_e [u].(C q n), (n, i, I)."""
-        facets, facet = part.facets[rows, s], shape.facets[s]
-        jump = self._jump[self.operators.FacetDofs(facets)].reshape(len(rows), part.dim, -1)
-        jump = np.swapaxes(jump @ facet.mu.T, 1, 2) * (self.operators.share[facets] * signs[rows, s])[:, None, None]     # n q i
+        facet, jump = shape.facets[s], self._SideJump(part, s, shape, rows, signs)
         normal, measure = part.Boundary(s)[0], self._Measure(part, 1 + s)
         G, _ = part.Geometry(1 + s)
         C = part.Stiffness(1 + s)
         stress = Stress(C[rows] if len(C) > 1 else C, jump[..., :, None] * normal[rows][..., None, :])
         pulled = stress @ np.swapaxes(G[rows], 2, 3) * measure[rows][..., None, None]
         return _Sum(pulled, facet.weights, inner)
+
+    def _SideJump(self, part: Any, s: int, shape: ReferenceElement, rows: np.ndarray, signs: Array) -> Array:
+        """share [u] on side s, (n, q, i)."""
+        facets = part.facets[rows, s]
+        jump = self._jump[self.operators.FacetDofs(facets)].reshape(len(rows), part.dim, -1)
+        share = (self.operators.share[facets] * signs[rows, s])[:, None, None]
+        return np.asarray(np.swapaxes(jump @ shape.facets[s].mu.T, 1, 2) * share)
 
 
 def Stress(C: Array, gradient: Array) -> Array:

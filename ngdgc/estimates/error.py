@@ -45,6 +45,7 @@ def EstimateError(solution: Any) -> ErrorEstimate:
     |skew s|^2 : C^-1 of skew matrices is 1/(2 mu); on quadrilaterals, hexahedra and prisms, where one of s_ij and s_ji sees
         less of a shear than the other, the larger one counts for both
 
+    Of a body of revolution s has a hoop stress (`revolvedstress`), and there is no bound.
     Of a nearly incompressible body, or one of very different materials, s is brought nearer to s_h (`stressfunction`).  For
     linear problems with s symmetric value is a bound (Prager and Synge).  No constant is chosen.  The cost is a small part of
     that of the solution: no equation is solved unless a load jumps inside of elements.  `ErrorEstimate.bound` makes s symmetric

@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from ngsolve import VOL, BitArray, GridFunction, ds, dx
+from ngsolve import CF, VOL, BitArray, GridFunction, ds, dx
 
 from ..contracts import Array
 from ..data.coefficients import LOADBONUS, ForFacets, Unfolded
@@ -64,7 +64,7 @@ def _Squares(disc: Any, difference: Array, owners: np.ndarray) -> Array:
     """|d|^2 of the elements (elements,)."""
     density = GridFunction(disc.space)
     density.vec.FV().NumPy()[:] = difference
-    disc.space.SolveM(density.vec)
+    disc.space.SolveM(density.vec, rho=disc.problem.frame.Weighted(CF(1)) if disc.problem.axisymmetric else None)
     return np.asarray(np.bincount(owners, difference * density.vec.FV().NumPy(), minlength=disc.mesh.ne), dtype=float)
 
 

@@ -141,7 +141,7 @@ class _Residuals:
 
     def _Jump(self, jump: Any, h: Any, _: Any) -> Any:
         tensor = Sym(OuterProduct(jump, self.n))
-        return self.order ** 2 / h * InnerProduct(self.frame.PlaneStress(self.material.Stress, tensor), tensor)
+        return self.order ** 2 / h * InnerProduct(self.frame.InPlane(self.material).Stress(tensor), tensor)
 
     def _On(self, regions: Any) -> Any:
         """True for the facets on any of the regions, over facets."""

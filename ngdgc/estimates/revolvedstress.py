@@ -1,12 +1,17 @@
 """A stress in equilibrium with the loads on a body of revolution.
 
 Its rows in the plane are those of `equilibrated`, with 2 pi r in the interior moments, and on facets s n = sigma_hat n, which
-is a polynomial there; on the axis, whose sides have no area, s n is the radial stress of u_h.  The hoop stress is what
-equilibrium along r leaves for it, and along z there is equilibrium but for what is orthogonal to V_h with the weight r:
+is a polynomial there; on the axis, whose sides have no area, s n is the radial stress of u_h.  Then along z there is
+equilibrium but for what is orthogonal to V_h with the weight r,
 
-    s_tt = s_rr + r (f_r + d_r s_rr + d_z s_rz),        int_K (f_z + d_r s_zr + d_z s_zz + s_zr/r) v r = 0,   v in V_h(K)
+    int_K (f_z + d_r s_zr + d_z s_zz + s_zr/r) v r = 0,   v in V_h(K)
 
-Since B_h(u_h, v) = load for v = (v_r, 0), s_tt and the hoop stress of u_h have the same moments, too.
+and along r as well with the hoop stress, T_ij = C_ijtt,
+
+    s_tt = C eps(u_h)_tt + g,    int_K g v = - theta sum_e share int_e [u].(T n) v      or theta int_K T:r_0[u] v
+
+What is left over there, (t - s_tt)/r with t = s_rr + r (f_r + d_r s_rr + d_z s_rz), counts with h/(pi (k + 1)) like all such,
+but with no more than r: |w_r/r| is a strain.
 """
 
 from __future__ import annotations
@@ -85,6 +90,36 @@ class RevolvedStress(EquilibratedStress):
             radial = stress[..., 0, 0] * part.Plain(1 + s)[chosen] * facet.weights
             moments[there, 0] = -radial @ facet.mu
         return moments
+
+    def _Batch(self, part: Any, fine: Any, points: Array, signs: Array, lifted: Array | None) -> StressBatch:
+        batch, r = super()._Batch(part, fine, points, signs, lifted), fine.Radii()
+        hoop = batch.computed[..., 2, 2] + self._theta * self._Jumped(part, fine, signs, lifted)
+        near = np.minimum(1, np.pi * (self.disc.order + 1) * r / batch.diameters[:, None])
+        batch.divergence[..., 0] += near * (batch.equilibrated[..., 2, 2] - hoop) / r
+        batch.equilibrated[..., 2, 2] = hoop
+        return batch
+
+    def _Jumped(self, part: RevolvedGroup, fine: RevolvedGroup, signs: Array, lifted: Array | None) -> Array:
+        """g at the points of `fine`, (n, q)."""
+        found = np.zeros(fine.Radii().shape)
+        if not self._theta:
+            return found
+        if lifted is not None:
+            values = part.AtPoints(lambda shape: shape.p[:, None], lifted)[..., 0]      # n q c
+            tied = part.Plain() * np.einsum("nqc,cij,nqij->nq", values, part.basis, part.Tie(0)[0], optimize=True)
+        for (rows, shape), (_, other) in zip(part.rows, fine.rows):
+            measure = np.broadcast_to(part.Plain(), part.Radii().shape)[rows] * shape.weights
+            mass = np.einsum("nq,qa,qb->nab", measure, shape.v, shape.v, optimize=True)
+            if lifted is not None:
+                moments = (tied[rows] * shape.weights) @ shape.v
+            else:
+                moments = np.zeros((len(rows), shape.v.shape[1]))
+                for s in part.sides:
+                    facet, pull = shape.facets[s], part.Pull(s) * part.Plain(1 + s)[..., None]
+                    pulled = np.einsum("nqi,nqi->nq", self._SideJump(part, s, shape, rows, signs), pull[rows])
+                    moments -= (pulled * facet.weights) @ facet.v
+            found[rows] = np.linalg.solve(mass, moments[..., None])[..., 0] @ other.v.T
+        return found
 
     def _Whole(self, fine: RevolvedGroup, points: Array, equilibrated: Array, divergence: Array,
                diameters: Array) -> RevolvedBatch:

@@ -51,8 +51,6 @@ def Chosen(disc: Any, wanted: str | Inverter) -> Inverter:
     name = NameOf(inverter)
     if (symmetric or iterates) and not disc.symmetric:
         raise ProblemError(f"inverse={name!r} is for symmetric matrices, and this form is not; take inverse='auto'")
-    if iterates:
-        disc.problem.frame.Refuse(f"inverse={name!r}")
     if iterates and not disc.method.iterative:
         raise ProblemError(f"inverse={name!r} is for discontinuous methods that conjugate gradients solve, and "
                            f"{disc.method.name} is none; take inverse='auto'")

@@ -139,7 +139,7 @@ class ElasticPenalty:
 
     def __init__(self, value: float | str, operators: FacetOperators) -> None:
         facets, share = operators.facets, operators.share
-        self._facets, self._operators = facets, operators
+        self._facets, self._operators, self._material = facets, operators, facets.frame.InPlane(operators.material)
         self._onfacets = facets.measure if value == "auto" else cast(float, value) * _Scale(operators)
         needed = ElementBounds(operators, share / self._onfacets, ElasticBound)
         self._inelements = MARGIN * needed if value == "auto" else np.ones(operators.mesh.ne)
@@ -161,11 +161,9 @@ class ElasticPenalty:
         return gamma, self._facets.Function(self._onfacets)
 
     def Interior(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction:
-        (gamma, weight), jump, material = self._functions, Sym(OuterProduct(w, n)), self._operators.material
-        own, other = (self._facets.frame.PlaneStress(Stress, jump) for Stress in (material.Stress, material.OtherStress))
-        return 0.5 * weight * (gamma * own + gamma.Other() * other)
+        (gamma, weight), jump, material = self._functions, Sym(OuterProduct(w, n)), self._material
+        return 0.5 * weight * (gamma * material.Stress(jump) + gamma.Other() * material.OtherStress(jump))
 
     def Boundary(self, w: CoefficientFunction, n: CoefficientFunction) -> CoefficientFunction:
         gamma, weight = self._functions
-        stress = self._facets.frame.PlaneStress(self._operators.material.Stress, Sym(OuterProduct(w, n)))
-        return weight * gamma * stress
+        return weight * gamma * self._material.Stress(Sym(OuterProduct(w, n)))

@@ -14,8 +14,8 @@ from collections.abc import Sequence
 from typing import Any, Protocol, cast
 
 import numpy as np
-from ngsolve import (BaseMatrix, BilinearForm, CoefficientFunction, FacetFESpace, FESpace, GridFunction, InnerProduct,
-                     IntegrationRule, LinearForm, Mesh, ds, dx, specialcf)
+from ngsolve import (BaseMatrix, BilinearForm, CoefficientFunction, FacetFESpace, FESpace, GridFunction, IntegrationRule,
+                     LinearForm, Mesh, ds, dx, specialcf)
 
 from ..contracts import Array
 from ..data.coefficients import OnFacets
@@ -172,8 +172,7 @@ class SkeletonForm:
 
     def Elastic(self, u: Any, v: Any) -> Any:
         """The integral of C eps(u):eps(v) over the elements, of functions of any space."""
-        strain = self.frame.Strain
-        return self.frame.Integral(InnerProduct(self.material.Stress(strain(u)), strain(v)), self.volume)
+        return self.frame.Elastic(self.material, u, v, self.volume)
 
     def _Energy(self) -> BilinearForm:
         u, v = self.space.TnT()

@@ -11,7 +11,7 @@ to a colour is the sum of its r_e, whose supports do not meet.  The lifting form
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -186,4 +186,4 @@ class LiftedSkeletonForm(SkeletonForm):
 
     @cached_property
     def _W(self) -> sp.csr_matrix:
-        return self._inverse @ self._Mass(partial(self.frame.PlaneStress, self.material.Stress)) @ self._inverse
+        return self._inverse @ self._Mass(self.frame.InPlane(self.material).Stress) @ self._inverse

@@ -11,18 +11,19 @@ so that forces are those of the whole ring, and C is that of a body in space.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
-from ngsolve import CF, Grad, GridFunction, IfPos, Sym, x
+from ngsolve import CF, Grad, GridFunction, Id, IfPos, InnerProduct, Sym, x
 
 from ..contracts import Array
 from ..exceptions import ProblemError
+from .materials import AnisotropicMaterial, HookeMaterial
 
 TURN = 2 * np.pi
 AXIS = 1e-12        # radius below which a point lies on the axis, relative to the largest one
 NEAR = 1e-6         # the same where a point is one to look at, and u_r(0)/r would be seen: corners of elements are farther
+SECTION = 0, 1, 5   # rows and columns of Voigt's matrix in the order r, z, theta that are those of the section
 
 
 class Cartesian:
@@ -55,9 +56,13 @@ class Cartesian:
         """The part of a tensor that acts in the plane of the mesh, shape (d, d)."""
         return tensor
 
-    def PlaneStress(self, Stress: Callable[[Any], Any], strain: Any) -> Any:
-        """The same of Stress(strain), of a strain (d, d) in that plane alone."""
-        return Stress(strain)
+    def InPlane(self, material: Any) -> Any:
+        """The material that knows the strains and stresses in that plane alone."""
+        return material
+
+    def Elastic(self, material: Any, u: Any, v: Any, symbol: Any) -> Any:
+        """The integral of C eps(u):eps(v)."""
+        return self.Integral(InnerProduct(material.Stress(self.Strain(u)), self.Strain(v)), symbol)
 
     def Directions(self, dim: int) -> int:
         """Of strains and of C, on a mesh of this dimension."""
@@ -100,9 +105,23 @@ class Cylindrical(Cartesian):
     def Plane(self, tensor: Any) -> Any:
         return CF((tensor[0, 0], tensor[0, 1], tensor[1, 0], tensor[1, 1]), dims=(2, 2))
 
-    def PlaneStress(self, Stress: Callable[[Any], Any], strain: Any) -> Any:
-        inside = CF((strain[0, 0], strain[0, 1], 0, strain[1, 0], strain[1, 1], 0, 0, 0, 0), dims=(3, 3))
-        return self.Plane(Stress(inside))
+    def InPlane(self, material: Any) -> Any:
+        if isinstance(material, HookeMaterial):
+            return material
+        return AnisotropicMaterial([[material.voigt[i][j] for j in SECTION] for i in SECTION])
+
+    def Around(self, material: Any) -> tuple[Any, Any]:
+        """(C_ijtt (2, 2), C_tttt), what a hoop strain 1 gives, in the plane and around [stress]."""
+        if isinstance(material, HookeMaterial):
+            return material.lam * Id(2), material.lam + 2 * material.mu
+        rr, zz, hoop, _, _, rz = (row[2] for row in material.voigt)
+        return CF((rr, rz, rz, zz), dims=(2, 2)), hoop
+
+    def Elastic(self, material: Any, u: Any, v: Any, symbol: Any) -> Any:
+        # Term by term: NGSolve takes six times as long for products of matrices (3, 3).
+        (tie, hoop), inside = self.Around(material), self.InPlane(material).Stress(Sym(Grad(u)))
+        ring = self.Integral(InnerProduct(inside, Sym(Grad(v))), symbol) + TURN * hoop / x * u[0] * v[0] * symbol
+        return ring + TURN * (InnerProduct(tie, Grad(u)) * v[0] + u[0] * InnerProduct(tie, Grad(v))) * symbol
 
     def Directions(self, dim: int) -> int:
         return 3

@@ -18,6 +18,7 @@ from .vtkfiles import Pattern
 
 ANGLE, STEPS = 1.5 * np.pi, 36      # of the part that is shown, and facets along it
 SAME = 1e-9         # distance of two points that are one, relative to the body
+LIGHT = {"ambient": 1.2, "diffuse": 0.8, "specularity": 0}  # of surfaces the viewer takes half: so colours are those of the bar
 PEAK, SHARE = 2, 0.99       # a range of values so many times that of this share of the surface would take all colours
 
 
@@ -70,7 +71,7 @@ def CheckTurned(solution: Any, turned: Any) -> bool:
     return turned
 
 
-def DrawTurned(solution: Any, field: Field, scale: float, *, colors: Any, light: Any) -> Any:
+def DrawTurned(solution: Any, field: Field, scale: float, *, colors: Any) -> Any:
     """What NGSolve's viewer draws of it, with a camera that sees the cuts."""
     from ngsolve.webgui import Draw     # slow to import
 
@@ -78,7 +79,7 @@ def DrawTurned(solution: Any, field: Field, scale: float, *, colors: Any, light:
     points = np.asarray(mesh.ngmesh.Coordinates())
     camera = {"center": points.mean(axis=0).tolist(), "radius": 0.6 * float(np.linalg.norm(np.ptp(points, axis=0)))}
     state = Draw(function, mesh, field.plain, deformation=scale * displacement, show=False, order=1, colors=colors,
-                 settings={"Objects": {"Edges": False, "Wireframe": False}, "Light": light}, draw_vol=False,
+                 settings={"Objects": {"Edges": False, "Wireframe": False}, "Light": LIGHT}, draw_vol=False,
                  euler_angles=[-60, 0, 30], **camera).GetData()
     return state | ColourLimits(*Shown(mesh, function))
 

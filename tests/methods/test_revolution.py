@@ -283,3 +283,19 @@ def test_ring_in_space_has_the_same_forces():
     assert 4 * quarter.Force("top")[2] == pytest.approx(ring.Force("top")[1], rel=0.01)
     assert 4 * quarter.normalforce == pytest.approx(ring.normalforce, rel=0.01)
     assert 4 * quarter.disc.unknowns > 50 * ring.disc.unknowns
+
+
+def test_conjugate_gradients_take_as_many_steps_as_in_the_plane():
+    """The levels are those of the section, and their matrices have the weight; also nearly incompressible."""
+    for nu in (0.3, 0.49):
+        steps = {}
+        for axisymmetric in (False, True):
+            problem = ContactProblem(HookeMaterial(E=100, nu=nu), Foundation("bottom", NormalCompliance(500)),
+                                     dirichlet={"top": (0, -0.05)}, axisymmetric=axisymmetric)
+            disc = Discretization(problem, InteriorPenalty(), RectangleMesh(8), inverse="iterative")
+            load = np.random.default_rng(1).standard_normal(disc.space.ndof)
+            assert np.linalg.norm(disc.Multiply(disc.SolveLinear(load)) - load) < 1e-9 * np.linalg.norm(load)
+            steps[axisymmetric] = disc.inverse.iterations
+        assert steps[True] <= 1.25 * steps[False]
+    direct = Discretization(problem, InteriorPenalty(), RectangleMesh(8))
+    np.testing.assert_allclose(Solve(disc).pressure, Solve(direct).pressure, rtol=1e-7)

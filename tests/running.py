@@ -8,10 +8,12 @@ named.
 import gc
 import os
 from collections import Counter
+from importlib.util import find_spec
 
 import pytest
 
 SLOW = 1.0      # second
+RANKS = all(find_spec(name) for name in ("petsc4py", "mpi4py"))
 FEW = 4         # files that are done before processes of their own have imported what they need
 
 
@@ -92,3 +94,7 @@ def pytest_terminal_summary(terminalreporter):
             terminalreporter.write_line(f"{seconds:.2f}s {name}")
     if reports:
         terminalreporter.write_line(f"CPU time of the tests: {sum(report.seconds for report in reports):.1f} s")
+    paths = [terminalreporter.config.invocation_params.dir / word for word in terminalreporter.config.args]
+    if not RANKS and any((path / "test_ranks.py").is_file() or (path / "distributed").is_dir() for path in paths):
+        terminalreporter.write_line("tests/distributed was left out: this Python has no petsc4py and mpi4py; .ci/distributed "
+                                    "installs them and runs it")

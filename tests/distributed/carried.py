@@ -14,8 +14,8 @@ from netgen.occ import OCCGeometry, WorkPlane
 from ngsolve import CF, Mesh, Parameter, x
 from whole import Order, Whole
 
-from ngdgc import (ArchardWear, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
-                   InteriorPenalty, NormalCompliance, SolveHistory, SemismoothNewtonSolver)
+from ngdgc import (LDG, ArchardWear, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation,
+                   HookeMaterial, NormalCompliance, SemismoothNewtonSolver, SolveHistory)
 from ngdgc.distributed import DistributedMesh
 from ngdgc.distributed.picture import PictureMesh
 from ngdgc.export import WriteContactVTK, WriteHTML, WriteVTK
@@ -53,7 +53,6 @@ def Written(solution):
     """Write all that there is, on all ranks; the names of the files are the same ones as of a solution on one machine."""
     solution.Save(FOLDER / "saved")
     WriteVTK(solution, FOLDER / "body.vtu")
-    WriteContactVTK(solution, FOLDER / "contact")
     figures = ContactFigure(solution), DeformedFigure(solution)
     if COMM.rank == 0:
         WriteHTML(solution, FOLDER / "page.html")
@@ -63,7 +62,7 @@ def Written(solution):
 
 def Main():
     problem, mesh = Problem(), DistributedMesh(Part(), refine=1)
-    disc = Discretization(problem, InteriorPenalty(), mesh, order=2)
+    disc = Discretization(problem, LDG(), mesh, order=2)
     solution = disc.Solve()
     Written(solution)
     history = SolveHistory(disc, parameter=t, times=np.linspace(0.3, 1.8, 3), solver=SemismoothNewtonSolver(tol=1e-11))
@@ -71,10 +70,11 @@ def Main():
     same = len({crc32(part) for part in COMM.allgather(b"".join(array.tobytes() for array in (
         solution.traction, solution.zones, history.traction, history.work, last.traction)))}) == 1
     last.Save(FOLDER / "last")
+    WriteContactVTK(last, FOLDER / "contact")
     vectors, whole = COMM.gather(solution.vector), Whole(disc.numbering.local, COMM)
     if COMM.rank:
         return
-    serial = Discretization(problem, InteriorPenalty(), whole, order=2)
+    serial = Discretization(problem, LDG(), whole, order=2)
     alone = SemismoothNewtonSolver(tol=1e-11).Solve(serial)
     read, place = ContactSolution.Load(FOLDER / "saved", problem), Order(2, whole.ne, disc.numbering.functions)
     path = SolveHistory(serial, parameter=t, times=history.times, solver=SemismoothNewtonSolver(tol=1e-11))
@@ -87,9 +87,11 @@ def Main():
         "solution": Off(np.concatenate(vectors), alone.vector[place]), "read": Off(read.vector, alone.vector),
         "law read": Off(np.sort(read.pressure), np.sort(alone.pressure)), "elastic": Off(solution.energy, alone.energy),
         "last read": Off(end.vector, path[-1].vector),
+        "pressure read": Off(np.sort(end.pressure), np.sort(path[-1].pressure)),
         "worn": Off(np.sort(last.worn), np.sort(path.worn[-1])), **forces, **numbers,
         "picture": max(Off(picture.Force("base"), solution.Force("base")), Off(picture.energy, solution.energy)),
-        "same": same, "zones": solution.ZoneLengths(), "elements": [PictureMesh(mesh).ne, mesh.ne],
+        "same": same, "sunk": last.weights @ last.penetration,
+        "zones": solution.ZoneLengths(), "elements": [PictureMesh(mesh).ne, mesh.ne],
         "without contact": [name for name in ("base", "ledge") if not np.any(solution.Force(name))]}))
 
 

@@ -37,7 +37,7 @@ from .solenoidal import NeedsSolenoidal, SolenoidalLevels
 
 STRONG = 0.1
 AGGREGATED = 0.05       # |A_ij|^2 >= AGGREGATED^2 |A_ii| |A_jj|: coupling along which vertices are aggregated
-COARSEST = 300          # unknowns that are left to a dense pseudo-inverse
+COARSEST = 50           # aggregates, of six unknowns each, that are left to a dense pseudo-inverse: pyamg counts blocks
 
 
 class PartlyContinuous:

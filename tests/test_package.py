@@ -7,6 +7,7 @@ import pkgutil
 import re
 import subprocess
 import sys
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -33,18 +34,21 @@ def test_tests_run_against_the_installed_package():
         assert installed.read_text() == path.read_text(), f"{name} differs from the installed one: pip install again"
 
 
+@cache
 def Imports(name, source):
-    """(line, module) of what a module of this name imports of the package, anywhere in it, also for type checkers alone."""
-    package = ["ngdgc", *name.split(".")[:-1]]
+    """[(line, module)] of what a module of this name imports of the package, anywhere in it, also for type checkers alone."""
+    package, found = ["ngdgc", *name.split(".")[:-1]], []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.ImportFrom):
             base = package[:len(package) + 1 - node.level] if node.level else []
             path = ".".join([*base, *(node.module or "").split(".")]).strip(".")
             for alias in node.names:
                 inner = f"{path}.{alias.name}".removeprefix("ngdgc.")
-                yield node.lineno, inner if Module(inner) else path.removeprefix("ngdgc.") if path != "ngdgc" else "__init__"
+                outer = path.removeprefix("ngdgc.") if path != "ngdgc" else "__init__"
+                found.append((node.lineno, inner if Module(inner) else outer))
         elif isinstance(node, ast.Import):
-            yield from ((node.lineno, alias.name.removeprefix("ngdgc.")) for alias in node.names)
+            found += ((node.lineno, alias.name.removeprefix("ngdgc.")) for alias in node.names)
+    return found
 
 
 def Module(name):

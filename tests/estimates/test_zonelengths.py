@@ -77,7 +77,7 @@ def test_in_space_the_radius_of_a_contact_is_known_to_a_part_of_an_element():
 def test_a_random_problem_with_all_three_zones():
     """Seed 1, problem 0: 26 x 26 squares; the truth is on a mesh four times as fine, order 3."""
     sample = Draw(1, 0)
-    fine = NestedNewtonSolver().Solve(Discretization(sample.problem, InteriorPenalty(), UnitMesh(52, "triangle"), order=3))
+    fine = NestedNewtonSolver().Solve(Discretization(sample.problem, Conforming(), UnitMesh(52, "triangle"), order=3))
     solution = NestedNewtonSolver().Solve(sample.Disc())
     errors, truth = EstimateZones(solution), fine.ZoneLengths()
     assert all(0 < abs(length - truth[name]) < errors[name] for name, length in solution.ZoneLengths().items())

@@ -78,13 +78,17 @@ def _Keywords(case: ModuleType, name: str) -> Any:
 
 
 def Table(history: LoadHistory) -> str:
-    """Forces of the foundations on the body, where the work goes, and the largest depth worn off, time by time."""
+    """Forces of the foundations on the body, motions of rigid punches, where the work goes, the largest depth worn off."""
     axes = "xyz"[:history[0].disc.mesh.dim]
     worn = {"abrasion": history.abrasion, "worn": history.worn.max(axis=1)} if history.disc.contact.wears else {}
-    rows = [("time", *(f"force {name} {axis}" for name in history.forces for axis in axes), "work", "energy", "dissipation",
-             *worn)]
+    turns = [f"turned {axis}" for axis in axes] if len(axes) == 3 else ["turned"]
+    moved = {f"{name} {word}": motion for name, motions in history.punches.items()
+             for word, motion in zip([*(f"moved {axis}" for axis in axes), *turns], motions.T)}
+    rows = [("time", *(f"force {name} {axis}" for name in history.forces for axis in axes), *moved, "work", "energy",
+             "dissipation", *worn)]
     forces = [history.forces[name][:, i] for name in history.forces for i in range(len(axes))]
-    for values in zip(history.times, *forces, history.work, history.energy, history.dissipation, *worn.values()):
+    sums = history.work, history.energy, history.dissipation
+    for values in zip(history.times, *forces, *moved.values(), *sums, *worn.values()):
         rows.append(tuple(f"{float(value):.6g}" for value in values))
     return "\n".join(Aligned(rows, numbers=True)) + "\n"
 

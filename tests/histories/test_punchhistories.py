@@ -1,5 +1,7 @@
 """Histories of rigid punches that forces press, or that are moved: exact where they can be, and as good as one by one."""
 
+import re
+
 import numpy as np
 import pytest
 from ngsolve import CF, IfPos, Parameter, x
@@ -7,6 +9,7 @@ from problems import Along
 
 from ngdgc import (LDG, ArchardWear, Conforming, ContactProblem, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    LoadHistory, NormalCompliance, RigidPunch, SolveHistory)
+from ngdgc.commands.historyrun import Table
 from ngdgc.histories.increments import Increments
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -47,6 +50,9 @@ def test_forces_are_what_is_prescribed_and_cost_nothing_after_the_first_states(f
     assert np.abs(forced.forces["top"] - wanted).max() < 1e-11
     assert np.abs(np.diff(forced.punches["top"], axis=0)).max(axis=0).min() > 1e-5
     assert sum(increment.solves for increment in forced.increments[3:]) <= 10
+    header, *rows = Table(forced).splitlines()
+    assert "top moved x  top moved y  top turned  work" in re.sub(" {2,}", "  ", header)
+    assert [float(entry) for entry in rows[7].split()[3:6]] == pytest.approx(forced.punches["top"][7], rel=1e-5)
     assert {0, 1, 2} >= set(np.concatenate([solution.zones for solution in forced])) >= {1, 2}
 
 

@@ -1,11 +1,14 @@
 """Mistakes with load histories, as in `mistakes`."""
 
+from unittest.mock import patch
+
 import numpy as np
 from ngsolve import CF, Parameter
 
 from ngdgc import (ContactProblem, CoulombFriction, Discretization, EstimateError, EstimateForce, EstimateZones, Foundation,
                    HookeMaterial, InteriorPenalty, LoadHistory, NormalCompliance, SolveHistory, UzawaSolver)
 from ngdgc.estimates.residual import ResidualEstimate
+from ngdgc.histories import solve
 from ngdgc.meshes import RectangleMesh
 from ngdgc.plots import LoadHistoryFigure
 
@@ -28,6 +31,12 @@ def Still(_):
 def Dragged(t):
     """A force that in the end is more than friction holds."""
     return {"traction": {"top": CF((t, -10))}}
+
+
+def Failing():
+    """In the third of its states, and not in ever smaller parts of its increment, which takes longer."""
+    with patch.object(solve, "HALVINGS", 0):
+        History(Dragged, times=(1, 2, 8))
 
 
 def Interrupted():
@@ -60,7 +69,7 @@ HISTORIES = [
     (lambda _: History()[2], "history[2] | there are 2 states | give an integer from -2 to 1"),
     (lambda _: History(lambda t: {"dirichlet": {"top": CF((0.01 / (t - 2), -0.02))}}),
      "at time 2: dirichlet['top'] | not finite | look"),
-    (lambda _: History(Dragged, times=(1, 2, 8)), "at time 8: | push it along harder than friction holds | 2 states before"),
+    (lambda _: Failing(), "at time 8: | push it along harder than friction holds | 2 states before"),
     (lambda folder: History()[:0].Save(folder), "the history has no state yet | that has | save one"),
     (lambda folder: LoadHistory.Load(folder / "none", None, parameter=Parameter(0)),
      "holds no history | LoadHistory.Save has written | give"),

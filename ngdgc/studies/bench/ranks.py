@@ -179,9 +179,9 @@ def OnRanks(task: Task) -> dict[str, Any]:
     found, own, sent = _Contact(task, disc, clock), disc.numbering.local.own, event.getPerfInfo()
     mine = [[sent["numMessages"], sent["messageLength"], sent["numReductions"]], (~own).sum() / max(own.sum(), 1),
             list(clock.times.values()), busy or clock.busy, fixed, peak or PeakMemory()]
-    messages, ghosts, times, busy, fixes, peaks = zip(*mesh.comm.allgather(mine))
+    messages, ghosts, times, busies, fixes, peaks = zip(*mesh.comm.allgather(mine))
     each = dict(zip(("messages", "bytes", "sums"), np.max(messages, axis=0) / steps.get("GAMG", 1)))
-    return {**found, **each, **dict(zip(clock.times, np.max(times, axis=0))), "steps": steps, "busy": sum(busy),
+    return {**found, **each, **dict(zip(clock.times, np.max(times, axis=0))), "steps": steps, "busy": sum(busies),
             "unknowns": disc.unknowns, "ghosts": max(ghosts), "subspace": spaces[0].unknowns if spaces else 0,
             "factors": getattr(spaces[0].inverse, "entries", 0) if spaces else 0, "fixed": fixes, "peak": peaks}
 

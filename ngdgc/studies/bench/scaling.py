@@ -28,7 +28,8 @@ SIZES = (3, 6, 10, 15)      # refined once: 15 552 to 1 944 000 unknowns
 RANKS = (1, 2, 4, 8)
 TIMED = 10                  # the size at which runs are timed
 LARGEST = 20                # on two ranks: 4 608 000 unknowns
-GAMMA = 400                 # numbers at each contact point, most of them products of Newton's method that are remembered
+# Numbers at each contact point: some 200 products that Newton's method remembers, as pairs of vectors and as three of a basis.
+GAMMA = 60 + 200 * 15
 PLANS = ((10_000_000, 16), (100_000_000, 128), (1_000_000_000, 1000))
 
 

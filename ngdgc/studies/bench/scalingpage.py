@@ -109,16 +109,16 @@ box of n cells per side has N = 72 n^3 unknowns and 6 n^2 contact points.  Const
 * ghosts = {law.ghosts:.2f} s m^(-1/3), neighbours over own elements
 * bytes = {law.bytes:.1f} s m^(2/3), that a rank sends in a step
 * steps = {start:.1f} + {slope:.2f} log10 N
-* memory = {law.fixed:.0f} MiB + {law.each:.2f} kB m + {gamma} numbers at each contact point, which every rank has
+* memory = {law.fixed:.0f} MiB + {law.each:.2f} kB m + {gamma} numbers at each contact point, as many on every rank, reckoned
 * X_h = N/24 + {law.subspace:.1f} N^(2/3) unknowns, and {law.factors:.1f} X_h^(4/3) entries in its factors
 """
 BREAKS = """What breaks first, in this order:
 
-1. The factors of X_h: their memory grows faster than the body.  From {factorised} unknowns of X_h on conjugate gradients take
-   their place, with the same cycle as in V_h.
-2. Gamma_C on every rank: its arrays, and the products that Newton's method remembers, do not get smaller with more ranks.  At
-   a billion unknowns each application in X_h gathers {gathered:.0f} MB on every rank; then points and products would have to be
-   spread as well.
+1. Gamma_C on every rank: its arrays, and above all the products that Newton's method remembers, do not get smaller with more
+   ranks.  They are as large as a rank's part of the body at about a hundred million unknowns; beyond, they have to be spread
+   over the ranks as well.  At a billion each application in X_h gathers {gathered:.0f} MB on every rank.
+2. The factors of X_h, whose memory grows faster than the body: from {factorised} unknowns of X_h on conjugate gradients take
+   their place, with the same cycle as in V_h, and then each application takes some 30 steps with their messages.
 3. The coarse mesh, which every rank reads and rank 0 alone distributes: with some hundred elements a rank it has a hundred
    thousand for a thousand ranks.
 4. Numbers of 32 bits, with which PETSc is built as a rule: they end at 2 147 483 647 unknowns.

@@ -124,7 +124,11 @@ def Plus(matrix: Any, added: Any) -> Any:
 
 
 def GiveBack() -> None:
-    """Let the system have what is free: otherwise each library keeps for itself what only one needs at a time."""
+    """Let go of PETSc's objects that nobody has any more, which only all ranks together can, and of memory that is free.
+
+    Otherwise petsc4py keeps those for ever, and each library for itself what only one needs at a time.
+    """
+    Petsc().garbage_cleanup()
     trim = getattr(ctypes.CDLL(None), "malloc_trim", None)
     if trim is not None:
         trim(0)

@@ -154,8 +154,13 @@ class DistributedProblem(LinearEquations, Placed):
         coarse = self.Continuous(matrix)
         return CycleInverse(self.matrix if matrix is None else Plus(self.matrix, matrix), coarse, self._levels[0])
 
+    @cached_property
+    def _products(self) -> Applied:
+        """Made once: vectors that are made are kept until ranks let go of them together."""
+        return Applied(self.matrix)
+
     def Multiply(self, vector: Array) -> Array:
-        return Applied(self.matrix)(vector)
+        return self._products(vector)
 
     def Norm(self, vector: Array) -> float:
         return float(np.sqrt(Summed(self.mesh.comm, np.array(vector @ vector))))

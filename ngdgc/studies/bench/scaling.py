@@ -5,7 +5,7 @@ cells per side has N = 72 n^3 unknowns of order 1 and 6 n^2 points on its bottom
 
     ghosts      g s m^(-1/3)                    neighbours over own elements
     bytes       b s m^(2/3)                     that a rank sends in a step of conjugate gradients
-    memory      m_0 + m_1 m + 8 q points        of a rank: the process, its unknowns, Gamma_C that is the same on all ranks
+    memory      m_0 + m_1 m + 8 q points        of a rank: the process, its unknowns for one equation, Gamma_C as on all ranks
     subspace    N/24 + x N^(2/3)                unknowns of X_h: three at each vertex, and all on the elements near Gamma_C
     factors     f X_h^(4/3)                     entries, of nested dissection in 3D
     steps       a + c log10 N                   of conjugate gradients for one equation
@@ -85,7 +85,7 @@ class Law:
         single, contact = ([row for row in rows if row.task.ranks and row.task.contact == asked] for asked in (False, True))
         several = [row for row in single if row.task.ranks > 1]
         sizes = [(Sides(row.task.ranks), row.unknowns / row.task.ranks) for row in several]
-        large = max(contact, key=lambda row: row.unknowns)
+        large = max(single, key=lambda row: (row.unknowns, row.task.ranks))
         direct = [row for row in contact if row.factors]
         slope, start = np.polyfit(np.log10([row.unknowns for row in single]), [row.steps["GAMG"] for row in single], 1)
         return cls(ghosts=_Median(row.ghosts / (s * m ** (-1 / 3)) for row, (s, m) in zip(several, sizes)),

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import argparse
 import os
-from argparse import ArgumentTypeError, Namespace
+from argparse import Namespace
 from itertools import chain
 from typing import TYPE_CHECKING
 
@@ -39,7 +40,8 @@ def Rows(file: str) -> list[Spread]:
         with open(file, encoding="utf-8") as lines:
             return [Row(line) for line in lines]
     except (OSError, ValueError, TypeError, KeyError) as error:
-        raise ArgumentTypeError(f"{file!r} does not have rows of an earlier run ({error}); give its scaling.json") from error
+        raise argparse.ArgumentTypeError(f"{file!r} does not have rows of an earlier run ({error}); "
+                                         "give its scaling.json") from error
 
 
 def BenchRanks(options: Namespace) -> int:

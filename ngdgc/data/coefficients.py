@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -54,7 +55,13 @@ def ScalarOrVector(value: Any, name: str) -> float | CoefficientFunction:
 
 def Unfolded(value: Any) -> CoefficientFunction:
     """The same coefficient, kept by NGSolve even where it is zero: an integrand that folds to 0 is an error there."""
-    return CF(value) + Parameter(0) * (CF(1) if CF(value).dim == 1 else CF((1,) * CF(value).dim))
+    return CF(value) + _Nothing(CF(value).dim)
+
+
+@cache
+def _Nothing(dim: int) -> CoefficientFunction:
+    """0, of which NGSolve does not know that it stays 0."""
+    return Parameter(0) * (CF(1) if dim == 1 else CF((1,) * dim))
 
 
 def OnFacets(problem: Any, kind: str, region: str, mesh: Mesh) -> CoefficientFunction:

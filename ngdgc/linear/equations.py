@@ -14,6 +14,7 @@ from ..exceptions import ProblemError
 from ..mesh.facets import Threads
 from ..tools import sparse as sp
 from ..tools.calls import ByKeyword
+from ..tools.kinds import Short
 from .sums import Sum
 
 
@@ -53,6 +54,9 @@ class LinearEquations(ABC):
 
     def FactoriseSum(self, added: sp.csr_matrix) -> Inverse:
         """The inverse of A and a few entries more, scipy CSR, such as those of Gamma_C."""
+        if not sp.issparse(added) or added.shape != (self.matrix.height, self.matrix.width):
+            raise ProblemError(f"what is added to the matrix is {Short(added)}; give a sparse matrix of scipy of the shape "
+                               f"{(self.matrix.height, self.matrix.width)}, such as contact.Stiffness returns")
         with Threads(self.mesh):
             return self.Factorise(Sum(self.matrix, added))
 
@@ -72,6 +76,8 @@ class LinearEquations(ABC):
 
     def Product(self, one: Array, other: Array) -> float:
         """That of two vectors of coefficients."""
+        self._CheckShape(one)
+        self._CheckShape(other)
         return float(one @ other)
 
     def Multiply(self, vector: Array) -> Array:

@@ -23,8 +23,9 @@ def _Numbers(value: Any) -> bool:
 
 
 def _Array(value: Any) -> bool:
-    """A list is none: -[0.1] is nothing, and 2 * [0.1] another list."""
-    return not isinstance(value, (list, tuple)) and _Numbers(value)
+    """A list is none: -[0.1] is nothing, and 2 * [0.1] another list.  Nor is an integer that numpy makes none of its own of."""
+    huge = isinstance(value, int) and abs(value) >= 2 ** 63
+    return not isinstance(value, (list, tuple)) and not huge and _Numbers(value)
 
 
 def _Matrix(value: Any) -> bool:

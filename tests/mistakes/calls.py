@@ -18,6 +18,7 @@ CALLS = [
     (lambda _: Solve(Disc()).Report(width=3), "Report(...) | there is no argument 'width' | leave it out"),
     (lambda _: NormalCompliance(1, stiffness=3), "stiffness is given twice | by position and by name | give it once"),
     (lambda _: NormalCompliance(1, 2, 3), "3 by position are too many | it takes stiffness, exponent | leave out the rest"),
+    (lambda _: NormalCompliance(1).Pressure(2 ** 63), "r is 9223372036854775808 | real numbers, an array | give"),
     (lambda _: ContactSolution.Load("results"), "Load(...) | problem missing | give problem=..."),
     (lambda _: CheckLaws(), "CheckLaws(...) | compliance missing | give compliance=..."),
     (lambda _: NotConvergedError("slow", 3), "solution is 3 | a ContactSolution | give"),

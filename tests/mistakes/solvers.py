@@ -91,6 +91,7 @@ SOLVERS = [
     (lambda _: Disc(Conforming(), inverse="iterative").inversekind,
      "inverse='iterative' is for discontinuous methods | H1 is none | take inverse='auto'"),
     (lambda _: Disc().Response(np.ones(3)), "traction has shape (3,) | at the contact points | give one"),
+    (lambda _: Disc().FactoriseSum(np.ones(3)), "what is added to the matrix is | a sparse matrix of scipy | such as"),
     (lambda _: Disc().Multiply(np.ones(3)), "a vector of shape (3,) is given | coefficients of a function in the space | give"),
     (lambda _: Nonsymmetric().inversekind, "inverse='sparsecholesky' | is for symmetric matrices | take inverse='auto'"),
     (lambda _: Unbalanced(), "inverse='sparsecholesky' | did not solve the linear equations | another inverse"),

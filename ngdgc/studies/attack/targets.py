@@ -259,7 +259,7 @@ VALID: dict[str, Callable[[Setting], Any]] = {
     "inverse": lambda s: s.Choose("auto", "umfpack", "iterative"),
     "ApplyInverse.inverse": lambda s: s.disc.inverse,
     "Iterate.inverse": lambda s: IterativeInverse(s.disc, s.disc.matrix),
-    "Iterate.start": lambda s: 0 * s.disc.load,
+    "Iterate.start": lambda s: 0 * s.disc.load, "one": lambda s: s.disc.load, "other": lambda s: s.solution.vector,
     "Add.form": Setting.Form,
     "clamped": lambda s: "top",
     "facets": lambda s: s.disc.facets,

@@ -40,6 +40,7 @@ class DistributedSolution(ContactSolution):
 
     def __init__(self, disc: Any, vector: Any, traction: Any, **rest: Any) -> None:
         super().__init__(disc, vector, traction, **rest)
+        self.__dict__["displacement"] = disc.contact.Displacement(self.vector)      # zones, report and pictures ask for it
         comm, local = disc.mesh.comm, disc.local
         self._everywhere = disc.numbering.Everywhere(self.vector)
         self.__dict__["_gfu"] = GridFunction(local.space, "u")

@@ -23,6 +23,7 @@ from ngdgc.distributed import DistributedMesh, subspace
 from ngdgc.distributed.local import LocalFacets
 from ngdgc.mesh.facets import Csr, Facets
 from ngdgc.meshes import BoxMesh, RectangleMesh
+from ngdgc.plots import ContactFigure
 
 COMM = MPI.COMM_WORLD
 METHODS = {f"{method.__name__} {form} {order}": (method(form=form), order)
@@ -127,6 +128,10 @@ def Together():
     assert not spread       # nothing is begun
     folder = Path(sys.argv[2])
     solution = Make().Solve()
+    if COMM.rank == 0:      # which none of the others is asked for
+        told = solution.Report(), solution.ToJSON(), solution.ZoneLengths(), solution.Table(), ContactFigure(solution)
+        assert all(map(bool, told[:3]))
+    COMM.Barrier()
     solution.Save(folder)
     before = {path.name: path.read_bytes() for path in folder.iterdir()}
     COMM.Barrier()

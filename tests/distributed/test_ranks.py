@@ -6,7 +6,6 @@ Every run has a time limit: ranks that wait for each other for ever fail.
 import json
 import os
 import re
-import signal
 import subprocess
 import sys
 from functools import cache
@@ -22,6 +21,7 @@ from ngdgc.studies.bench.ranks import Measure, Task
 FOLDER = Path(__file__).parent
 pytestmark = pytest.mark.slow
 LIMIT = 300         # seconds; a run takes some 5 alone
+GRACE = 20          # of ending them
 ROUNDOFF = 1e-13    # of a row: the order of sums
 SOLVED = 1e-8       # of solutions, both to a law residual of 1e-10 on a soft foundation
 # For machines with fewer processors than ranks, and for containers.
@@ -34,12 +34,16 @@ def Started(ranks, *words):
     """(exit code, output, errors) of a script on several ranks; all of them are ended if they take too long."""
     # In another folder than that of the sources, which Python would take for the package.
     run = subprocess.Popen(["mpirun", "-n", str(ranks), sys.executable, "-m", "mpi4py", *map(str, words)], cwd=FOLDER,
-                           text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+                           text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                            env={**os.environ, **SETTING})
     try:
         output, errors = run.communicate(timeout=LIMIT)
     except subprocess.TimeoutExpired:
-        os.killpg(run.pid, signal.SIGKILL)
+        run.terminate()     # which it hands on to the ranks; they are in groups of their own
+        try:
+            run.wait(GRACE)
+        except subprocess.TimeoutExpired:
+            run.kill()
         raise
     return run.returncode, output, errors
 

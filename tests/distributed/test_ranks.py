@@ -157,6 +157,7 @@ def test_study_measures_what_a_step_sends(monkeypatch):
     """Neighbours are some of the elements, each step has three sums at least, the products of Gauss-Seidel are messages."""
     for name, value in SETTING.items():
         monkeypatch.setenv(name, value)
+    monkeypatch.chdir(FOLDER)       # see `Started`
     row = Measure(Task(ranks=2, n=2), limit=LIMIT)
     assert row.unknowns == 72 * 4 ** 3 and row.points == 6 * 4 ** 2
     assert 0 < row.steps["GAMG"] <= 30 and all(steps <= 30 for steps in row.steps.values())

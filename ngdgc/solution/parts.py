@@ -33,7 +33,7 @@ def InParts(folder: str | PathLike[str]) -> bool:
     """Was a solution on a DistributedMesh saved in a folder?"""
     try:
         return "ranks" in json.loads((Path(folder) / WORDS).read_text(encoding="utf-8"))
-    except (OSError, TypeError, ValueError):    # which reading it will tell
+    except (OSError, RecursionError, TypeError, ValueError):    # which reading it will tell
         return False
 
 

@@ -60,7 +60,7 @@ def test_substeps_lead_to_the_same_states(usual, seen, monkeypatch, failing, tak
         found = BySteps(run, graph, free)
         begins = inside.pop()
         divisions.append(np.diff([*np.flatnonzero(begins), len(begins)]).tolist())
-        assert loads[-1] == pytest.approx((free - run.free) / divisions[-1][-1])
+        assert loads[-1] == pytest.approx((free - run.pair.free) / divisions[-1][-1])
         return found
 
     def Failing(run, graph, q, free):
@@ -71,7 +71,7 @@ def test_substeps_lead_to_the_same_states(usual, seen, monkeypatch, failing, tak
             return replace(found, solved=found.solved and not known)
         begins = np.array_equal(q, graph.Coordinates(run.moment.displacement, run.moment.traction))
         inside[-1].append(begins)
-        loads += [free - run.free] * begins
+        loads += [free - run.pair.free] * begins
         return replace(found, solved=found.solved and not (begins and sum(inside[-1]) <= failing))
 
     monkeypatch.setattr(Increments, "_BySteps", Divided)

@@ -12,6 +12,7 @@ from ..contracts import Array
 from ..data.coefficients import ValuesAt
 from ..exceptions import ProblemError
 from ..mesh.facets import RigidMotionsAt
+from ..problem.foundation import Foundation
 from ..problem.frames import Cartesian
 from ..problem.punch import RigidPunch
 from .parts import ContactPart
@@ -50,8 +51,7 @@ class Punches:
         for place, part in enumerate(punched):
             punch, region = part.foundation.punch, mesh.Boundaries(part.foundation.boundary)
             name, here = f"foundation {part.foundation.boundary!r}", part.points
-            about = np.zeros(dim) if punch.about is None else np.array(punch.about, dtype=float)
-            modes = RigidMotionsAt(coordinates[here] - about)
+            modes = _Modes(punch, coordinates[here])
             _CheckModes(punch, name, frame, dim)
             extent = float(np.ptp(coordinates[here], axis=0).max()) or 1.0
             for mode, (load, motion) in enumerate(zip(punch.Loads(), punch.Motions())):
@@ -82,6 +82,13 @@ class Punches:
             motions[self.free[:, 0], self.free[:, 1]] = self.units * found
         return motions
 
+    def At(self, foundation: Foundation, found: Array | None, coordinates: Array) -> Array:
+        """Displacement of the foundation at points (p, d), with what was found (m,), (p, d) [length]; 0 if it is no punch."""
+        if foundation.punch is None:
+            return np.zeros_like(coordinates)
+        motion = self.Whole(found)[self.regions.index(foundation.boundary)]
+        return np.asarray(np.tensordot(motion, _Modes(foundation.punch, coordinates), axes=1))
+
     def Found(self, motions: Array) -> Array:
         """(m,) of these motions (punches, modes)."""
         return np.asarray(motions[self.free[:, 0], self.free[:, 1]] / self.units)
@@ -96,6 +103,11 @@ class Punches:
         words = [f"translation of the punch {{}} along {axis}" for axis in "xyz"[:dim]]
         words += ["rotation of the punch {}"] if dim == 2 else [f"rotation of the punch {{}} about {axis}" for axis in "xyz"]
         return [words[mode].format(repr(self.regions[place])) for place, mode in self.free]
+
+
+def _Modes(punch: RigidPunch, coordinates: Array) -> Array:
+    """Displacements of points (p, d) by a unit of each rigid motion, rotations about the punch's point, (modes, p, d)."""
+    return RigidMotionsAt(coordinates - (0 if punch.about is None else np.array(punch.about, dtype=float)))
 
 
 def _CheckModes(punch: RigidPunch, name: str, frame: Cartesian, dim: int) -> None:

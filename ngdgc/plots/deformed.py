@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -33,8 +34,8 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
     view : (elevation, azimuth) in degrees from which a solid is seen; None: from below and, beside, from above and behind
 
     Every element moves with its own one-sided displacement, so the jumps of a DG solution show.  A foundation is drawn pale
-    beyond Gamma_C, as far as the body has slid; a joint is a red line where it was.  In 3D the surface of the body, without the
-    foundations.
+    beyond Gamma_C, as far as the body has slid, and a rigid punch where it has moved to; a joint is a red line where it was.
+    In 3D the surface of the body, without the foundations.
 
     >>> from ngdgc.cases import example_4_2
     >>> figure = DeformedFigure(example_4_2.Main(n=4))
@@ -47,6 +48,9 @@ def DeformedFigure(solution: ContactSolution, *, scale: float | Literal["auto"] 
     _, axes = PlaneAxes()
     for foundation in (part.foundation for part in contact.parts):
         for curve in () if foundation.kind == "joint" else FoundationCurves(disc, foundation):
+            if contact.punches is not None:
+                punched = contact.punches.At(foundation, disc.motion, curve.coordinates)
+                curve = replace(curve, coordinates=curve.coordinates + scale * punched)
             mine = np.unique(contact.members[np.isin(contact.boundaryelements, curve.points["nr"])])
             moved = (contact.coordinates + scale * solution.displacement)[mine]
             deepest = scale * solution.penetration[mine].max()

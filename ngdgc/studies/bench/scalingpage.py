@@ -81,7 +81,8 @@ INTRODUCTION = """# Many ranks
 Written by `ngdgc bench ranks --page docs/scaling.md`; nothing on this page is typed by hand but the explanations.  A box of
 tetrahedra of order 1, interior penalty, nu = 0.3, is pressed onto a foundation as stiff as itself with friction 0.3, and spread
 over *ranks* ([beyond one machine](distributed.md)), all of them on one machine with {processors} processors.  With more ranks
-than processors counts and memory are what they are elsewhere, times are not, and none are shown.
+than processors counts and memory are what they are elsewhere, times are not, and none are shown.  Rows may be kept from
+earlier runs (`--rows`): such a one has the steps and the memory of the code of then.
 
 ## One linear equation
 

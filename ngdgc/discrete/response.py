@@ -50,14 +50,15 @@ class ContactResponse:
                  most: float | None = None) -> Equilibrium:
         """The Equilibrium of `Meet` nearly, from coefficients (ndof,) nearby, by an inverse that is an iteration.
 
-        What is out of balance becomes at most `part` of what it is, and, if given, `most` of the loads; all as Euclidean norms.
+        What is out of balance becomes at most `part` of what it is, and, if given, `most` of the loads or, of a body that only
+        a foundation deforms, of what that presses with; all as Euclidean norms.
         """
         disc = self.disc
         load = disc.load + self.contact.Load(self.Restoring(displacement) - traction)
         excess = load - disc.Multiply(vector) - self.contact.Load(self.Restoring(self.contact.Displacement(vector)))
         goal = part * disc.Norm(excess)
         if most is not None:
-            goal = min(goal, most * disc.Norm(disc.load))
+            goal = min(goal, most * (disc.Norm(disc.load) or disc.Norm(self.contact.Load(traction))))
         vector = disc.Iterate(cast(InexactInverse, self._inverse), load, tol=goal / (disc.Norm(load) or 1),
                               start=vector)
         if self._deflation:

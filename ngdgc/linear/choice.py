@@ -64,7 +64,8 @@ def Best(disc: Any) -> str:
     """The name of the Inverter for the matrix of a Discretization that costs least."""
     if not disc.symmetric:
         return "umfpack"
-    if disc.mesh.dim == 3 and disc.method.iterative and Iterated(disc):
+    punches = disc.contact.punches      # those whose motions are unknowns need a factorisation
+    if disc.mesh.dim == 3 and disc.method.iterative and not (punches and punches.count) and Iterated(disc):
         return "iterative"
     return Direct(disc.mesh.dim)
 

@@ -144,6 +144,16 @@ def test_a_body_without_loads_rests():
     assert Largest(0) == 0 < 1e-3 < Largest(-1)
 
 
+@pytest.mark.parametrize("n", [2, 3])
+def test_a_foundation_alone_may_deform_a_body(n):
+    """No loads, but an overlap: there is nothing else to which the balance could be relative; as from a factorisation."""
+    problem = ContactProblem(HookeMaterial(E=1000, nu=0.3), Foundation("top", NormalCompliance(500), gap=-0.01),
+                             dirichlet={"bottom": (0, 0, 0)})
+    ours, theirs = (Discretization(problem, LDG(), BoxMesh(n), inverse=inverse).Solve() for inverse in ("iterative", "auto"))
+    assert theirs.disc.inversekind != "iterative"
+    assert np.abs(ours.traction - theirs.traction).max() < 1e-8 * np.abs(theirs.traction).max()
+
+
 def test_a_tolerance_below_round_off_is_named():
     with pytest.raises(NotConvergedError, match="tol=1e-18 is below what round-off allows"):
         SemismoothNewtonSolver(tol=1e-18).Solve(Box(3))

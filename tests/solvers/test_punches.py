@@ -11,6 +11,7 @@ from problems import TEN, Solved
 from ngdgc import (LDG, Conforming, ContactProblem, ContactSolution, CoulombFriction, Discretization, Foundation, HookeMaterial,
                    NormalCompliance, ProblemError, RigidPunch, Solve, UzawaSolver)
 from ngdgc.cases import tilted_punch
+from ngdgc.linear import choice
 from ngdgc.mesh.facets import RigidMotionsAt
 from ngdgc.meshes import BoxMesh, RectangleMesh
 
@@ -200,3 +201,14 @@ def test_iterations_that_know_no_punches_refuse_them():
     problem, method, mesh, order = Rubbed(RigidPunch(force=(None, -5)), RectangleMesh(2))
     with pytest.raises(ProblemError, match="only contact resists translation of the punch 'top' along y"):
         UzawaSolver().Solve(Discretization(problem, method, mesh, order=order))
+
+
+@pytest.mark.parametrize(("punch", "kind"), [(RigidPunch(force=(None, None, -1)), "sparsecholesky"),
+                                             (RigidPunch(displacement=(None, None, -0.01)), "iterative")])
+def test_large_problems_factorise_where_a_force_presses(punch, kind, monkeypatch):
+    """The choice "auto": conjugate gradients do not know the motions of punches; one that is moved has none to be found."""
+    monkeypatch.setattr(choice, "LARGE", 1.0)
+    monkeypatch.setattr(choice, "Direct", lambda dim: "sparsecholesky")
+    foundation = Foundation("top", NormalCompliance(STIFFNESS), punch=punch)
+    disc = Discretization(ContactProblem(MATERIAL, foundation, dirichlet={"bottom": (0, 0, 0)}), LDG(), BoxMesh(2))
+    assert disc.inversekind == kind and Solve(disc).converged
